@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
-from telex_experiments.rigs.chromium import BrowserError, Chromium, lacking
+from telex_experiments.rigs.chromium import BrowserError, Chromium, code_of, lacking
 
 pytestmark = [
     pytest.mark.browser,
@@ -75,6 +75,27 @@ def test_a_click_and_what_the_page_complains_of(browser: Chromium) -> None:
     assert "Error: spilt" in spilt
     with pytest.raises(BrowserError, match="null"):
         browser.click("#nothing")
+
+
+def test_enter_presses_a_button_and_a_promise_is_waited_for(browser: Chromium) -> None:
+    browser.evaluate("window.clicked = false; document.querySelector('button').focus()")
+    browser.handled(browser.key("keyDown", code_of("Enter")))
+    assert browser.evaluate("window.clicked") is True
+    browser.release("Enter")
+    slow = "new Promise((resolve) => setTimeout(() => resolve(7), 20))"
+    assert browser.evaluate(slow) == 7
+    assert [code_of(key) for key in ("w", "`", "PageUp")] == ["KeyW", "Backquote", "PageUp"]
+
+
+def test_another_page_is_loaded(browser: Chromium, tmp_path: Path) -> None:
+    other = tmp_path / "other.html"
+    other.write_text("<title>other</title>")
+    browser.call("Network.enable")
+    browser.go(other.as_uri())
+    assert browser.evaluate("document.title") == "other"
+    assert other.as_uri() in browser.addresses
+    with pytest.raises(BrowserError, match="nothing: .*NOT_FOUND"):
+        browser.go("file:///nothing")
 
 
 def test_a_browser_has_processes_of_its_own(browser: Chromium) -> None:

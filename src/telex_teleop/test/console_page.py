@@ -6,19 +6,18 @@ import contextlib
 import json
 from urllib.parse import urlsplit
 
-import headless_chromium
 import pytest
-from selenium.webdriver.common.action_chains import ActionChains
-from selenium.webdriver.common.by import By
 from waiting import wait_until
 from web_harness import Ros
 from web_robot import Robot, describe
+
+from telex_experiments.rigs.chromium import Chromium, code_of, lacking
 
 NOTHING = "\N{EN DASH}"
 """Stands in place of a figure that is not known."""
 
 OTHER = """
-const [url, done] = arguments;
+const [url] = arguments;
 window.other = new WebSocket(url);
 other.ask = (name) => new Promise((resolve) => {
   other.onmessage = ({data}) => {
@@ -27,61 +26,191 @@ other.ask = (name) => new Promise((resolve) => {
   };
   other.send(JSON.stringify({op: "call_service", service: `/telex/bridge/${name}`}));
 });
-other.onopen = () => done(true);
+return new Promise((done) => { other.onopen = () => done(true); });
 """
 """Opens, in a page, a connection of somebody else, who can ask for control."""
 
+SHIFT = 8
+"""Of the keys that are down while a mouse is used."""
+
+SHOWN = "element.checkVisibility({visibilityProperty: true, opacityProperty: true})"
+TEXT = f"{SHOWN} ? element.innerText.replaceAll('\\u00a0', ' ').trim() : ''"
+IS_DISPLAYED = f"{SHOWN} && element.getBoundingClientRect().width > 0"
+MIDDLE = """(() => {
+  element.scrollIntoView({block: "nearest", inline: "nearest", behavior: "instant"});
+  const {left, top, width, height} = element.getBoundingClientRect();
+  const [x, y] = [left + width / 2, top + height / 2];
+  const hit = document.elementFromPoint(x, y);
+  return [x, y, element.contains(hit) ? "" : `under ${hit?.outerHTML.slice(0, 100)}`];
+})()"""
+"""Where the middle of an element is (px), and what hides it."""
+SET = """[element.value = arguments[0], ...["input", "change"]
+  .map((kind) => element.dispatchEvent(new Event(kind, {bubbles: true})))]"""
+
+
+class Element:
+    """The first element of a selector on a page, looked for whenever it is asked for something.
+
+    LookupError says that there is none.
+    """
+
+    def __init__(self, page, selector):
+        self._page = page
+        self._selector = selector
+
+    def ask(self, expression, *arguments):
+        """Return the value of an expression in which it is `element`."""
+        found = self._page.script(
+            f"const element = document.querySelector({json.dumps(self._selector)});"
+            f"return element && {{value: {expression}}};",
+            *arguments,
+        )
+        if found is None:
+            raise LookupError(f"the page has no {self._selector}")
+        return found.get("value")
+
+    @property
+    def text(self):
+        """What can be read."""
+        return self.ask(TEXT)
+
+    def is_displayed(self):
+        return self.ask(IS_DISPLAYED)
+
+    def is_enabled(self):
+        return self.ask("!element.matches(':disabled')")
+
+    def get_attribute(self, name):
+        """Return an attribute, or the property of that name; empty where there is neither."""
+        return self.ask("element.getAttribute(arguments[0]) ?? element[arguments[0]] ?? ''", name)
+
+    def get_property(self, name):
+        return self.ask("element[arguments[0]]", name)
+
+    def click(self):
+        """Click with the mouse: on its middle, which nothing may hide."""
+        x, y, hidden = self.ask(MIDDLE)
+        assert not hidden, f"{self._selector} is {hidden}"
+        self._page.mouse("mouseMoved", x, y, buttons=0)
+        self._page.mouse("mousePressed", x, y)
+        self._page.mouse("mouseReleased", x, y, buttons=0)
+
+    @contextlib.contextmanager
+    def held(self, modifiers=0):
+        """Hold it with the mouse; gives a function that moves the mouse by so many pixels."""
+        x, y, _ = self.ask(MIDDLE)
+
+        def move(right, down):
+            nonlocal x, y
+            x, y = x + right, y + down
+            self._page.mouse("mouseMoved", x, y, modifiers=modifiers)
+
+        self._page.mouse("mouseMoved", x, y, buttons=0, modifiers=modifiers)
+        self._page.mouse("mousePressed", x, y, modifiers=modifiers)
+        try:
+            yield move
+        finally:
+            self._page.mouse("mouseReleased", x, y, buttons=0, modifiers=modifiers)
+
+    def drag(self, right, down, modifiers=0):
+        """Drag with the mouse by so many pixels, from its middle."""
+        with self.held(modifiers) as move:
+            move(right, down)
+
+    def wheel(self, down):
+        """Turn the mouse's wheel over it, by so many pixels."""
+        x, y, _ = self.ask(MIDDLE)
+        self._page.mouse("mouseWheel", x, y, buttons=0, deltaX=0, deltaY=down)
+
+    def type(self, text):
+        """Type into it; a line ends with Enter."""
+        *lines, rest = text.split("\n")
+        for line in lines:
+            self._insert(line)
+            self.press("Enter")
+        self._insert(rest)
+
+    def _insert(self, text):
+        self.ask("element.focus()")
+        if text:
+            self._page.browser.call("Input.insertText", text=text)
+
+    def press(self, *keys):
+        """Press keys, one after the other, while it has the focus."""
+        self.ask("element.focus()")
+        for key in keys:
+            self._page.press(key)
+
+    def set(self, value):
+        """Choose a value; an empty one clears a field."""
+        self.ask(SET, value)
+
 
 class Page:
-    """The console in a browser."""
+    """The console in a browser.
 
-    def __init__(self, url, profile):
+    Keys are named by their sign on a US keyboard, or by their position: "w", ";", "F2", "PageUp".
+    """
+
+    def __init__(self, url):
         self.url = url
-        self._profile = str(profile)
         self._start()
 
     def _start(self):
-        logs = {"browser": "ALL", "performance": "ALL"}
-        self.driver = headless_chromium.start(self._profile, logs=logs)
+        self.browser = Chromium("about:blank", listens=True)
+        self.browser.call("Page.enable")  # for scripts that run before the page's own
 
     def start_again(self):
         """Take another browser for one that was killed."""
-        self.driver.quit()
+        self.browser.close()
         self._start()
         self.resize(1280, 720)
         self.load()
 
     def resize(self, width, height):
-        metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
-        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+        self.browser.resize((width, height))
         # What is pressed or touched is looked for in the last frame that was drawn.
-        self.driver.execute_async_script(
-            "const done = arguments[0];"
-            "requestAnimationFrame(() => requestAnimationFrame(() => done()));"
+        self.script(
+            "return new Promise((done) =>"
+            " requestAnimationFrame(() => requestAnimationFrame(() => done())));"
         )
 
-    def load(self):
-        self.driver.get(self.url)
+    def load(self, steady=True):
+        """Load it anew, until it is connected and, for keys that are to be held, runs evenly."""
+        self.browser.go(self.url)
         wait_until(lambda: self.attribute("link", "data-state") == "up", timeout=15.0)
+        if not steady:
+            return
         # On a busy machine a page that is being built stands still now and then, which lets go.
-        self.driver.set_script_timeout(60.0)
-        self.driver.execute_async_script("""
-            const done = arguments[0];
-            const begun = performance.now();
-            let last = begun, since = begun;
-            const timer = setInterval(() => {
-              const now = performance.now();
-              if (now - last > 100) since = now;
-              last = now;
-              if (now - since > 500 || now - begun > 15000) { clearInterval(timer); done(); }
-            }, 20);
+        self.script("""
+            return new Promise((done) => {
+              const begun = performance.now();
+              let last = begun, since = begun;
+              const timer = setInterval(() => {
+                const now = performance.now();
+                if (now - last > 100) since = now;
+                last = now;
+                if (now - since > 500 || now - begun > 15000) { clearInterval(timer); done(); }
+              }, 20);
+            });
         """)
 
-    def script(self, text):
-        return self.driver.execute_script(text)
+    def address(self):
+        return self.script("return location.href")
+
+    def script(self, text, *arguments):
+        """Run statements with `arguments` on the page; returns what they return."""
+        return self.browser.evaluate(f"(function () {{\n{text}\n}})(...{json.dumps(arguments)})")
 
     def element(self, selector):
-        return self.driver.find_element(By.CSS_SELECTOR, selector)
+        return Element(self, selector)
+
+    def texts(self, selector):
+        """Return what can be read of all elements of a selector."""
+        return self.script(
+            f"return [...document.querySelectorAll(arguments[0])].map((element) => {TEXT});",
+            selector,
+        )
 
     def text(self, element_id):
         return self.element(f"#{element_id}").text
@@ -89,17 +218,20 @@ class Page:
     def attribute(self, element_id, name):
         return self.element(f"#{element_id}").get_attribute(name)
 
+    def mouse(self, kind, x, y, buttons=1, **more):
+        """Use the mouse, whose left button is then held (1) or not (0), at a place (px)."""
+        clicks = kind in ("mousePressed", "mouseReleased")
+        event = {"type": kind, "x": x, "y": y, "buttons": buttons, "clickCount": int(clicks)}
+        button = "left" if buttons or clicks else "none"
+        self.browser.call("Input.dispatchMouseEvent", button=button, **event, **more)
+
     def down(self, *keys):
-        actions = ActionChains(self.driver)
         for key in keys:
-            actions.key_down(key)
-        actions.perform()
+            self.browser.handled(self.browser.key("keyDown", code_of(key)))
 
     def up(self, *keys):
-        actions = ActionChains(self.driver)
         for key in keys:
-            actions.key_up(key)
-        actions.perform()
+            self.browser.handled(self.browser.key("keyUp", code_of(key)))
 
     @contextlib.contextmanager
     def hold(self, *keys):
@@ -171,28 +303,35 @@ class Page:
 
     def errors(self):
         """Return what the browser complained of since the last call."""
-        return [entry["message"] for entry in self.driver.get_log("browser")]
+        found = list(self.browser.complaints)
+        del self.browser.complaints[: len(found)]
+        return found
 
     def hosts(self):
-        """Return the hosts that the browser has sent requests to."""
-        hosts = set()
-        for entry in self.driver.get_log("performance"):
-            event = json.loads(entry["message"])["message"]
-            address = {
-                "Network.requestWillBeSent": lambda p: p["request"]["url"],
-                "Network.webSocketCreated": lambda p: p["url"],
-            }.get(event["method"])
-            if address is not None:
-                parts = urlsplit(address(event["params"]))
-                if parts.scheme not in ("data", "blob", "chrome"):
-                    hosts.add(parts.hostname)
-        return hosts
+        """Return the hosts that the browser asked when the page was loaded first."""
+        parts = map(urlsplit, self.browser.addresses)
+        return {each.hostname for each in parts if each.scheme not in ("data", "blob", "chrome")}
+
+
+@contextlib.contextmanager
+def opened(url):
+    """Open a page in a browser of its own."""
+    page = Page(url)
+    try:
+        page.resize(1280, 720)
+        # Not for longer: each message of a WebSocket is told as well.
+        page.browser.call("Network.enable")
+        page.load()
+        page.browser.call("Network.disable")
+        yield page
+    finally:
+        page.browser.close()
 
 
 @pytest.fixture(scope="module")
 def ros():
-    if headless_chromium.lacking():
-        pytest.skip(headless_chromium.lacking())
+    if lacking():
+        pytest.skip(lacking())
     with Ros() as ros:
         yield ros
 
@@ -205,15 +344,10 @@ def robot(ros):
 
 
 @pytest.fixture(scope="module")
-def page(ros, robot, tmp_path_factory):
+def page(ros, robot):
     describe(ros)
     ros.master.setParam("/telex/cameras/cameras/turret/zoom_max", 2.0)
     _, url = ros.serve("video_server")
     ros.bridge, _ = ros.serve("rosbridge")
-    page = Page(url, tmp_path_factory.mktemp("profile"))
-    try:
-        page.resize(1280, 720)
-        page.load()
+    with opened(url) as page:
         yield page
-    finally:
-        page.driver.quit()

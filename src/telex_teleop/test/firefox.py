@@ -1,7 +1,6 @@
 """Headless Firefox by WebDriver BiDi, which it speaks without a driver program beside it.
 
-The protocol: https://www.w3.org/TR/webdriver-bidi/. Selenium would need geckodriver, which Debian
-does not have.
+The protocol: https://www.w3.org/TR/webdriver-bidi/.
 """
 
 from __future__ import annotations

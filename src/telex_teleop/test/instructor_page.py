@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from console_page import Page, robot, ros
+from console_page import opened, robot, ros
 from waiting import wait_until
 
 __all__ = [
@@ -84,18 +84,13 @@ def simulator(robot):
 
 
 @pytest.fixture(scope="module")
-def page(ros, simulator, tmp_path_factory):
+def page(ros, simulator):
     start = {**START, "center": list(START["center"].values())}
     ros.master.setParam("/telex/cameras/overview/start", start)
     _, url = ros.serve("video_server")
     ros.bridge, _ = ros.serve("rosbridge")
-    page = Page(f"{url}/instructor", tmp_path_factory.mktemp("profile"))
-    try:
-        page.resize(1280, 720)
-        page.load()
+    with opened(f"{url}/instructor") as page:
         yield page
-    finally:
-        page.driver.quit()
 
 
 def answer(page, button):

@@ -6,7 +6,6 @@ import json
 
 import pytest
 from console_page import page, robot, ros
-from selenium.webdriver.common.keys import Keys
 from waiting import wait_until
 from web_robot import CONTACT, SHOULDER, THUMBNAILS
 
@@ -121,7 +120,7 @@ def test_a_calibration_is_asked_for_once_and_nothing_is_done_when_all_are_off(ro
     topic = "/telex/cameras/front/camera_info"
     wait_until(lambda: painted(page) > 0)
     wait_until(lambda: not ros.subscribers(topic))
-    page.press(Keys.NUMPAD1)
+    page.press("Numpad1")
     wait_until(lambda: painted(page) == 0)
     page.script("window.drawn = 0; const take = CanvasRenderingContext2D.prototype.clearRect;"
                 "CanvasRenderingContext2D.prototype.clearRect = function (...all) {"
@@ -140,10 +139,10 @@ def test_aids_are_switched_by_key_and_button_and_kept_for_each_layout(page):
         )
 
     assert on() == ["aid:guides"]
-    page.press(Keys.NUMPAD0)
+    page.press("Numpad0")
     assert page.element("#aids-switches").is_displayed()
     assert page.attribute("aids-open", "aria-expanded") == "true"
-    page.press(Keys.NUMPAD5)
+    page.press("Numpad5")
     page.element('[data-command="aid:compass"]').click()
     page.element('[data-command="aid:guides"]').click()
     assert on() == ["aid:horizon", "aid:compass"]
@@ -152,8 +151,8 @@ def test_aids_are_switched_by_key_and_button_and_kept_for_each_layout(page):
     page.mode("DRIVE")
     page.load()
     assert on() == ["aid:horizon", "aid:compass"]
-    page.press(Keys.NUMPAD0)
-    page.press(Keys.NUMPAD8)
+    page.press("Numpad0")
+    page.press("Numpad8")
     wait_until(lambda: page.element("#radiation-map").is_displayed())
     page.element("#radiation-map-close").click()
     assert on() == ["aid:horizon", "aid:compass"]
@@ -167,11 +166,11 @@ def test_an_exam_leaves_no_training_aid(robot, page):
 
     touch = {"pads": [{"link": "pad_link", "normal_force": 12.0}], "object": "cube"}
     robot.probe.publish(CONTACT, "telex_msgs/GripperContact", touch, rate=20)
-    page.press(Keys.NUMPAD1)
-    page.press(Keys.NUMPAD4)
+    page.press("Numpad1")
+    page.press("Numpad4")
     wait_until(lambda: painted(page) > 0)
     note = '[data-command="aid:contact"] .aid-note'
-    page.press(Keys.NUMPAD0)
+    page.press("Numpad0")
     assert page.element(note).text == "\N{WHITE DIAMOND} training aid"
     told = "/telex/console/telemetry"
     robot.probe.subscribe(told, "std_msgs/String")
@@ -181,7 +180,7 @@ def test_an_exam_leaves_no_training_aid(robot, page):
         exam("running")
         wait_until(lambda: painted(page) == 0)
         assert page.element(note).text == "not in an exam"
-        page.press(Keys.NUMPAD4)
+        page.press("Numpad4")
         assert "not in an exam: this robot has no pads" in page.text("warning")
         robot.probe.heard[told].clear()
         wait_until(lambda: robot.heard(told) and "contact marks" not in aids_told(robot, told))

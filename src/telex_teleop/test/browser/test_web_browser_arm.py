@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 from console_page import page, robot, ros
-from selenium.webdriver.common.keys import Keys
 from waiting import wait_until
 from web_robot import ARM, ARM_JOINTS, PRESETS
 
@@ -116,7 +115,7 @@ def test_panel_shows_joints_or_tool_by_the_mode(arm, page, in_mode, tmp_path):
     assert page.element("#arm-rows").is_displayed()
     assert not page.element("#tool-rows").is_displayed()
     folder = Path(os.environ.get("TELEX_SCREENSHOTS", tmp_path))
-    assert page.driver.save_screenshot(str(folder / "console_joint.png"))
+    (folder / "console_joint.png").write_bytes(page.browser.screenshot())
     in_mode("CARTESIAN", notice=NOTICE)
     assert not page.element("#arm-rows").is_displayed()
     wait_until(lambda: page.text("tool_x-value") == "800 mm")
@@ -124,7 +123,7 @@ def test_panel_shows_joints_or_tool_by_the_mode(arm, page, in_mode, tmp_path):
     assert page.text("tool_pitch-value") == "25.0°"
     assert page.text("tool_roll-value") == "0.0°"
     assert page.text("arm-hud") == NOTICE
-    assert page.driver.save_screenshot(str(folder / "console_cartesian.png"))
+    (folder / "console_cartesian.png").write_bytes(page.browser.screenshot())
     assert page.errors() == []
 
 
@@ -192,7 +191,7 @@ def test_frame_is_chosen_by_key_and_by_button(arm, page, in_mode):
 @pytest.mark.parametrize(("mode", "other"), [MODES, MODES[::-1]])
 def test_mode_is_asked_for_by_key_and_by_button(arm, page, in_mode, mode, other):
     in_mode(mode)
-    page.press(Keys.TAB)
+    page.press("Tab")
     wait_until(lambda: arm.probe.requests == [{"mode": other}], timeout=10.0)
     page.element(f'[data-mode="{other}"]').click()
     wait_until(lambda: arm.probe.requests == [{"mode": other}] * 2, timeout=10.0)

@@ -7,7 +7,6 @@ import json
 import pytest
 from console_page import OTHER
 from instructor_page import answer, outside, page, robot, ros, simulator
-from selenium.webdriver.support.ui import Select
 from waiting import wait_until
 
 # the fixtures of the other tests of this page, started anew for this file
@@ -79,7 +78,7 @@ def training(ros, simulator, tmp_path_factory):
 def clean(training, simulator, page):
     training.reset()
     simulator.reset()
-    page.load()
+    page.load(steady=False)
     wait_until(lambda: page.text("exercise-note") == "none is open")
     wait_until(lambda: page.element("#exercise-open").is_enabled())
 
@@ -93,15 +92,15 @@ def options(page, element):
 def test_an_exercise_is_opened_for_a_trainee_and_started_and_aborted(ros, training, page):
     assert options(page, "exercise-name") == ["slalom", "valve"]
     url = f"{ros.param('/telex/rosbridge/url')}?name=Ann"
-    assert page.driver.execute_async_script(OTHER, url)
+    assert page.script(OTHER, url)
     wait_until(lambda: "Ann" in page.text("roster"))
     page.element("#exercise-open").click()
     assert "type a name" in page.text("exercise-note")
     assert training.asked("open") == []
-    page.element("#exercise-operator").send_keys("ann")
+    page.element("#exercise-operator").type("ann")
     assert options(page, "exercise-names") == ["Ann", "bob"]
-    Select(page.element("#exercise-setting")).select_by_value("dusk")
-    Select(page.element("#exercise-mode")).select_by_value("exam")
+    page.element("#exercise-setting").set("dusk")
+    page.element("#exercise-mode").set("exam")
     page.element("#exercise-open").click()
     wait_until(
         lambda: training.asked("open")
@@ -129,7 +128,7 @@ def test_an_exercise_is_opened_for_a_trainee_and_started_and_aborted(ros, traini
 
 def test_settings_are_those_of_the_exercise_that_is_chosen(page):
     assert options(page, "exercise-setting") == ["day", "dusk"]
-    Select(page.element("#exercise-name")).select_by_value("valve")
+    page.element("#exercise-name").set("valve")
     assert options(page, "exercise-setting") == ["standard"]
     assert not page.element("#exercise-setting").is_enabled()
 
@@ -137,7 +136,7 @@ def test_settings_are_those_of_the_exercise_that_is_chosen(page):
 def test_what_is_refused_says_why(training, page):
     why = "a trial of Slalom is running (bob); training/abort ends it"
     training.serve("open", "telex_msgs/OpenExercise", success=False, message=why)
-    page.element("#exercise-operator").send_keys("ann")
+    page.element("#exercise-operator").type("ann")
     page.element("#exercise-open").click()
     wait_until(lambda: why in page.text("log"))
     assert page.text("exercise-note") == "none is open"
@@ -149,7 +148,7 @@ def test_a_trial_is_noted_while_it_goes_on_and_marked_once_it_has_ended(training
     wait_until(lambda: page.element("#exercise-remarks").is_displayed())
     assert not page.element("#exercise-passed").is_enabled()
     remark = page.element("#exercise-remark")
-    remark.send_keys("looks back too late\n")
+    remark.type("looks back too late\n")
     note = {"trial": "t1", "kind": "note", "value": "looks back too late", "reason": "instructor"}
     wait_until(lambda: training.asked("note") == [note])
     wait_until(lambda: remark.get_property("value") == "")
@@ -157,7 +156,7 @@ def test_a_trial_is_noted_while_it_goes_on_and_marked_once_it_has_ended(training
     wait_until(lambda: page.text("exercise-note") == "ann · Slalom, dusk · exam · passed")
     page.element("#exercise-failed").click()
     assert page.text("exercise-note") == "a mark needs a reason"
-    remark.send_keys("careless")
+    remark.type("careless")
     page.element("#exercise-failed").click()
     mark = {"trial": "t1", "kind": "mark", "value": "failed", "reason": "careless"}
     wait_until(lambda: training.asked("note")[1:] == [mark])
@@ -165,7 +164,6 @@ def test_a_trial_is_noted_while_it_goes_on_and_marked_once_it_has_ended(training
 
 
 PLAYED = """
-    const done = arguments[arguments.length - 1];
     window.heard = {};
     window.asked = [];
     window.said = [];
@@ -179,14 +177,14 @@ PLAYED = """
     window.answer = {success: true, message: ""};
     const topic = (name) => `/telex/${name}`;
     const say = (sentence) => window.said.push(sentence);
-    Promise.all(["exam_list", "malfunction_panel"].map(
+    return Promise.all(["exam_list", "malfunction_panel"].map(
       (name) => import(`/js/instructor/${name}.js`),
     )).then(([exam, malfunction]) => {
       window.list = new exam.ExamList(bridge, topic, say, say);
       window.malfunctions = new malfunction.MalfunctionPanel(bridge, topic, say, say);
       window.list.subscribe();
       window.malfunctions.subscribe();
-      done(true);
+      return true;
     });
 """
 """Panels on the page with a bridge that is played: these need no exam, and nothing that fails."""
@@ -215,7 +213,7 @@ WEAK = {
 
 @pytest.fixture
 def played(page):
-    assert page.driver.execute_async_script(PLAYED)
+    assert page.script(PLAYED)
 
     class Played:
         def hear(self, topic, message):
@@ -271,14 +269,14 @@ def test_a_malfunction_is_injected_now_or_at_the_next_step_and_ended(played, pag
     page.element("#malfunction-active button").click()
     wait_until(lambda: played.asked() == [["/telex/sim/malfunction", {**frozen, "on": False}]])
     played.hear("sim/malfunctions", {"active": [], "possible": [FROZEN, WEAK]})
-    Select(page.element("#malfunction-what")).select_by_value("elbow_joint/weak")
+    page.element("#malfunction-what").set("elbow_joint/weak")
     value = page.element("#malfunction-value")
     assert value.get_attribute("placeholder") == "0.5 share"
-    value.send_keys("2")
+    value.type("2")
     page.element("#malfunction-now").click()
     assert page.text("malfunction-note") == "the value must be 0.05 to 0.95 share"
-    value.clear()
-    value.send_keys("0.25")
+    value.set("")
+    value.type("0.25")
     page.element("#malfunction-announced").click()
     assert not page.element("#malfunction-next").is_enabled()
     played.state()
@@ -301,7 +299,7 @@ def test_bookmarks_are_those_of_practice_while_one_goes_on_and_else_the_simulato
     simulator.serve("restore", "telex_msgs/Restore", **DONE)
     back = page.element("#bookmarks-back")
     assert not back.is_enabled()
-    page.element("#bookmarks-name").send_keys("door")
+    page.element("#bookmarks-name").type("door")
     page.element("#bookmarks-set").click()
     wait_until(lambda: simulator.asked("bookmark") == [{"name": "door", "replaces": ""}])
     wait_until(lambda: options(page, "bookmarks-names") == ["mark 1"])
@@ -316,7 +314,7 @@ def test_bookmarks_are_those_of_practice_while_one_goes_on_and_else_the_simulato
     wait_until(lambda: training.asked("bookmark") == [{"name": "", "replaces": ""}])
     # The trainee's strip is on this page, too.
     assert options(page, "training-bookmarks-names") == ["door", "mark 1"]
-    Select(page.element("#training-bookmarks-names")).select_by_value("mark 1")
+    page.element("#training-bookmarks-names").set("mark 1")
     page.element("#training-back").click()
     wait_until(lambda: training.asked("back")[1:] == [{"name": "mark 1"}])
     training.tell("running", mode="exam")

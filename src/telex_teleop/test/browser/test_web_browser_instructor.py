@@ -10,7 +10,7 @@ import axe
 import numpy as np
 import pytest
 import simplejpeg
-from console_page import NOTHING, OTHER
+from console_page import NOTHING, OTHER, SHIFT
 from instructor_page import (
     HALL,
     START,
@@ -23,9 +23,6 @@ from instructor_page import (
     ros,
     simulator,
 )
-from selenium.webdriver.common.action_chains import ActionChains
-from selenium.webdriver.common.actions.wheel_input import ScrollOrigin
-from selenium.webdriver.common.keys import Keys
 from waiting import wait_until
 from web_robot import ESTOP, THUMBNAILS
 
@@ -42,7 +39,7 @@ REFUSED = {"success": False, "message": "yard.yaml: objects[0]: type is 'unicorn
 def clean(simulator, page):
     """Begin each test with a page that was just loaded, whatever the last one left."""
     simulator.reset()
-    page.load()
+    page.load(steady=False)
     # Where the last test has sent the camera is known to the bridge still.
     simulator.send_view(START)
     wait_until(lambda: page.text("view-hint") == "orbit · 4.0 m")
@@ -73,20 +70,15 @@ def test_dragging_and_the_wheel_send_the_camera_about(simulator, page):
     heard = simulator.probe.heard[VIEW]
     wait_until(lambda: page.text("view-hint") == "orbit · 4.0 m")
     picture = page.element("#picture")
-    actions = ActionChains(page.driver)
-    actions.click_and_hold(picture).move_by_offset(100, 50).release().perform()
+    picture.drag(100, 50)
     wait_until(lambda: heard and heard[-1][1]["azimuth"] == pytest.approx(1.0 - 0.6))
     view = heard[-1][1]
     assert view["elevation"] == pytest.approx(0.5 + 0.3)
     assert (view["mode"], view["distance"], view["center"]["z"]) == ("orbit", 4.0, 0.2)
-    ActionChains(page.driver).scroll_from_origin(
-        ScrollOrigin.from_element(picture), 0, 200
-    ).perform()
+    picture.wheel(200)
     wait_until(lambda: heard[-1][1]["distance"] == pytest.approx(4.0 * math.exp(0.24)))
     before = heard[-1][1]
-    actions = ActionChains(page.driver)
-    actions.key_down(Keys.SHIFT).click_and_hold(picture).move_by_offset(100, 0).release()
-    actions.key_up(Keys.SHIFT).perform()
+    picture.drag(100, 0, SHIFT)
     wait_until(lambda: heard[-1][1]["center"] != before["center"])
     moved = heard[-1][1]
     assert moved["azimuth"] == before["azimuth"]
@@ -101,12 +93,10 @@ def test_the_camera_can_be_sent_about_while_no_picture_comes(simulator, page):
     simulator.robot.publish_camera("overview")
     wait_until(lambda: page.element("#no-picture").is_displayed())
     before = START
-    actions = ActionChains(page.driver)
-    actions.click_and_hold(page.element("#picture")).move_by_offset(50, 0).release().perform()
+    page.element("#picture").drag(50, 0)
     wait_until(lambda: heard[-1][1]["azimuth"] == pytest.approx(before["azimuth"] - 0.3))
     simulator.robot.publish_camera("overview", rate=1)
-    actions = ActionChains(page.driver)
-    actions.click_and_hold(page.element("#picture")).move_by_offset(-50, 0).release().perform()
+    page.element("#picture").drag(-50, 0)
     wait_until(lambda: heard[-1][1]["azimuth"] == pytest.approx(before["azimuth"]))
 
 
@@ -230,7 +220,7 @@ def test_the_first_picture_of_another_scene_is_awaited(simulator, page):
 
 
 def test_the_e_stop_is_set_at_once_and_released_once_that_is_confirmed(simulator, robot, page):
-    page.press(Keys.ESCAPE)
+    page.press("Escape")
     assert robot.wait_for(ESTOP)[-1] == {"data": True}
     simulator.tell(e_stop=True)
     wait_until(lambda: page.element("#estop-band").is_displayed())
@@ -254,10 +244,9 @@ def test_who_is_connected_and_who_gets_control(ros, page):
     wait_until(lambda: row(page, "instructor (you)")[0] == "instructor")
     assert page.text("control-holder") == "free"
     url = f"{ros.param('/telex/rosbridge/url')}?name=Ann"
-    assert page.driver.execute_async_script(OTHER, url)
+    assert page.script(OTHER, url)
     wait_until(lambda: row(page, "Ann")[:2] == ["watcher", "127.0.0.1"])
-    ask = "const [name, done] = arguments; other.ask(name).then(done)"
-    assert page.driver.execute_async_script(ask, "take_control")
+    assert page.script("return other.ask('take_control')")
     wait_until(lambda: page.text("control-holder") == "Ann")
     assert row(page, "Ann")[0] == "operator"
     page.element("#take").click()
@@ -273,7 +262,7 @@ def test_who_is_connected_and_who_gets_control(ros, page):
     page.element("#give-up").click()
     wait_until(lambda: page.text("control-holder") == "free")
     page.script("other.close()")
-    wait_until(lambda: len(page.driver.find_elements("css selector", "#roster tr")) == 1)
+    wait_until(lambda: len(page.texts("#roster tr")) == 1)
 
 
 def test_warnings_of_nodes_are_logged(simulator, page):
@@ -353,18 +342,17 @@ def note(page):
 def test_objects_are_put_moved_and_taken_on_the_map_by_keys(scene, page):
     page.element('[data-tool="put"]').click()
     crate = page.element("#arrange-kinds [value=crate]")
-    wait_until(crate.is_selected)
+    wait_until(lambda: crate.get_property("checked"))
     assert page.script("return document.querySelector('#arrange-kinds img').naturalWidth") == 1
-    crate.send_keys(Keys.ARROW_RIGHT)
-    assert page.element("#arrange-kinds [value=cone]").is_selected()
+    crate.press("ArrowRight")
+    assert page.element("#arrange-kinds [value=cone]").get_property("checked")
     assert note(page) == "A traffic cone."
     turn = page.element("#arrange-turn")
-    turn.clear()
-    turn.send_keys("90")
+    turn.set("90")
     plan = page.element("#plan")
-    plan.send_keys(Keys.ARROW_RIGHT, Keys.ARROW_UP)
+    plan.press("ArrowRight", "ArrowUp")
     assert note(page).startswith("the cross is at ")
-    plan.send_keys(Keys.ENTER)
+    plan.press("Enter")
     wait_until(lambda: note(page) == "spawned: cone_1")
     (asked,) = scene.asked("find_place")
     assert (asked["object"], asked["yaw"]) == ("{type: cone}", pytest.approx(math.pi / 2))
@@ -373,17 +361,17 @@ def test_objects_are_put_moved_and_taken_on_the_map_by_keys(scene, page):
     (put,) = scene.asked("spawn")
     assert put["object"] == "{type: cone, position: [1.5000, -2.0000, 0.0010], yaw: 1.5708}"
     page.element('[data-tool="move"]').click()
-    turn.clear()
-    plan.send_keys(Keys.ENTER)
+    turn.set("")
+    plan.press("Enter")
     wait_until(lambda: "box is picked" in note(page))
-    plan.send_keys(Keys.ARROW_LEFT, Keys.ENTER)
+    plan.press("ArrowLeft", "Enter")
     wait_until(lambda: scene.asked("move"))
     assert scene.asked("move")[0]["name"] == "box"
     assert scene.asked("move")[0]["pose"]["position"] == PLACE["position"]
     page.element('[data-tool="take"]').click()
-    plan.send_keys(Keys.ENTER)
+    plan.press("Enter")
     assert answer(page, "no") == "Take box out of the scene?"
-    plan.send_keys(Keys.ARROW_LEFT, Keys.ENTER)
+    plan.press("ArrowLeft", "Enter")
     answer(page, "yes")
     wait_until(lambda: scene.asked("delete") == [{"name": "box"}])
     assert page.errors() == []
@@ -398,7 +386,7 @@ def test_a_robot_and_what_stands_fast_are_left_where_they_are(scene, page):
         ({"success": False, "message": "there is nothing in that direction"}, "nothing in that"),
     ):
         scene.serve("find_place", "telex_msgs/FindPlace", **{**FOUND, **found})
-        plan.send_keys(Keys.ARROW_LEFT, Keys.ENTER)
+        plan.press("ArrowLeft", "Enter")
         wait_until(lambda said=said: said in note(page))
     assert scene.asked("move") == []
 
@@ -411,9 +399,7 @@ def test_a_drag_in_the_overview_moves_by_the_cameras_calibration(scene, page):
     scene.probe.publish(f"{topic}/pose", "geometry_msgs/PoseStamped", pose, rate=10)
     page.element('[data-tool="move"]').click()
     time.sleep(0.5)
-    picture = page.element("#picture")
-    actions = ActionChains(page.driver)
-    actions.move_to_element(picture).click_and_hold().move_by_offset(80, 0).release().perform()
+    page.element("#picture").drag(80, 0)
     wait_until(lambda: scene.asked("move"))
     pick, place = scene.asked("find_place")
     assert (pick["object"], place["object"]) == ("", "box")
@@ -435,7 +421,7 @@ def test_in_an_exam_it_is_said_first_that_it_becomes_invalid(scene, page):
     scene.probe.publish("/telex/training/state", kind, state, latch=True)
     wait_until(lambda: page.text("training-title").endswith("EXAM"))
     page.element('[data-tool="put"]').click()
-    page.element("#plan").send_keys(Keys.ARROW_LEFT, Keys.ENTER)
+    page.element("#plan").press("ArrowLeft", "Enter")
     assert answer(page, "no") == "Put crate there? The exam of Ann is invalid then."
     assert scene.asked("spawn") == []
     scene.probe.publish("/telex/training/state", kind, {"phase": "idle"}, latch=True)
@@ -466,7 +452,7 @@ def test_what_the_trainee_sees_and_holds_and_what_is_said_to_him(simulator, page
     kind, text = "telex_msgs/TellTrainee", "<b>Stop</b>"
     answer_ = {"success": True, "number": 1}
     simulator.probe.do("serve", service=service, type=kind, response=answer_)
-    page.element("#trainee-words").send_keys(f"{text}\n")
+    page.element("#trainee-words").type(f"{text}\n")
     wait_until(lambda: simulator.probe.requests_of(service) == [{"text": text, "by": "instructor"}])
     for read, said in ((False, f"not read yet: {text}"), (True, f"✔ read: {text}")):
         shown = {"number": 1, "text": text, "by": "Bob", "read": read}

@@ -102,12 +102,12 @@ def server(ros, robot):
 
 
 @pytest.fixture(scope="module")
-def browser(server, tmp_path_factory):
-    page = Page(server, tmp_path_factory.mktemp("profile"))
+def browser(server):
+    page = Page(server)
     try:
         yield page
     finally:
-        page.driver.quit()
+        page.browser.close()
 
 
 @pytest.fixture(scope="module", params=list(COMBINATIONS))
@@ -129,7 +129,7 @@ def page(path, server, browser):
 def test_the_e_stop_is_in_reach_in_every_state(page, path, width):
     page.resize(width, HEIGHT.get(width, 800))
     assert page.element("#estop").is_displayed()
-    count, wrong = page.driver.execute_script(TOOLS + TRY_ALL, STATES)
+    count, wrong = page.script(TOOLS + TRY_ALL, STATES)
     assert wrong == []
     assert count == COMBINATIONS[path]
 
@@ -137,7 +137,7 @@ def test_the_e_stop_is_in_reach_in_every_state(page, path, width):
 def test_the_e_stop_can_be_pressed_in_the_worst_state(robot, page):
     """Once by a click, and not by its place alone."""
     page.resize(768, 1024)
-    shown = page.driver.execute_script(TOOLS + SHOW_WORST, STATES)
+    shown = page.script(TOOLS + SHOW_WORST, STATES)
     assert all(page.element(f"#{element_id}").is_displayed() for element_id in shown)
     page.element("#estop").click()
     assert robot.wait_for(ESTOP) == [{"data": True}]

@@ -6,7 +6,6 @@ import math
 
 import pytest
 from console_page import page, robot, ros
-from selenium.webdriver.common.keys import Keys
 from waiting import wait_until
 
 # the fixtures of the console's other tests, started anew for this file
@@ -38,8 +37,7 @@ EAR = """
 @pytest.fixture(scope="module")
 def ear(page, robot):
     robot.publish_node_status()
-    script = {"source": EAR}
-    page.driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", script)
+    page.browser.call("Page.addScriptToEvaluateOnNewDocument", source=EAR)
     page.load()
     page.wait_until_all_is_shown()
     return lambda: page.script("return loudness()")
@@ -72,12 +70,12 @@ def test_a_key_switches_it_off_and_that_is_kept(page, robot, ear):
     page.element("#sound-quieter").click()
     wait_until(lambda: ear() > HEARD)
     volume = page.text("sound-volume")
-    page.press(Keys.NUMPAD9)
+    page.press("Numpad9")
     wait_until(lambda: ear() < SILENT)
     page.load()
     assert page.attribute("sound", "aria-checked") == "false"
     assert page.text("sound-volume") == volume
-    page.press(Keys.NUMPAD9)
+    page.press("Numpad9")
     wait_until(lambda: ear() > HEARD)
     assert page.attribute("sound", "aria-checked") == "true"
 
@@ -87,6 +85,6 @@ def test_an_alarm_is_heard_until_it_is_acknowledged(page, robot, ear):
     assert not page.element("#quiet").is_enabled()
     robot.publish_sim(e_stop=True)
     wait_until(lambda: ear() > HEARD)
-    page.press(Keys.F1)
+    page.press("F1")
     wait_until(lambda: not page.element("#quiet").is_enabled() and ear() < SILENT)
     assert page.errors() == []

@@ -6,14 +6,14 @@ import subprocess
 import sys
 from pathlib import Path
 
-import headless_chromium
 import pytest
 import yaml
-from console_page import Page
-from selenium.webdriver.common.keys import Keys
+from console_page import opened
 from waiting import wait_until
 from web_harness import Ros
 from web_robot import Robot, describe
+
+from telex_experiments.rigs.chromium import lacking
 
 DESCRIPTION = Path(__file__).resolve().parents[3] / "telex_description"
 
@@ -21,8 +21,8 @@ pytestmark = [
     pytest.mark.browser,
     pytest.mark.slow,
     pytest.mark.skipif(
-        bool(headless_chromium.lacking()),
-        reason=headless_chromium.lacking() or "there is a browser",
+        bool(lacking()),
+        reason=lacking() or "there is a browser",
     ),
 ]
 
@@ -40,7 +40,7 @@ def become(ros, variant):
 
 
 @pytest.fixture(scope="module")
-def page(tmp_path_factory):
+def page():
     with Ros() as ros:
         describe(ros)
         become(ros, "six_axis")
@@ -49,14 +49,9 @@ def page(tmp_path_factory):
         robot.publish_node_status()
         _, url = ros.serve("video_server")
         ros.serve("rosbridge")
-        page = Page(url, tmp_path_factory.mktemp("profile"))
-        page.ros = ros
-        try:
-            page.resize(1280, 720)
-            page.load()
+        with opened(url) as page:
+            page.ros = ros
             yield page
-        finally:
-            page.driver.quit()
 
 
 def rows(page, where):
@@ -72,9 +67,9 @@ def test_an_arm_of_six_axes_has_no_row_and_no_key_for_a_telescope(page):
     assert "telescope" not in rows(page, "arm-rows")
     assert len(rows(page, "arm-rows")) == 6
     assert page.views() == ["turret", "gripper"]
-    page.press("?")
+    page.press("/")
     assert "telescope" not in page.text("keys")
-    page.press("?")
+    page.press("/")
 
 
 def test_a_page_takes_on_a_probe_that_is_started_in_the_place_of_a_gripper(page):
@@ -86,11 +81,11 @@ def test_a_page_takes_on_a_probe_that_is_started_in_the_place_of_a_gripper(page)
     assert len(rows(page, "arm-rows")) == 7
     assert not page.element("#gripper-card").is_displayed()
     assert not page.element("#grip").is_displayed()
-    page.press("?")
+    page.press("/")
     assert "gripper clos" not in page.text("keys")
-    page.press("?")
+    page.press("/")
     page.press(",")  # no key of anything
     assert page.views() == ["turret", "gripper"]
-    page.press(Keys.F2)
+    page.press("F2")
     assert page.views() == ["gripper", "turret"]
     assert [each for each in page.errors() if "favicon" not in each] == []

@@ -16,8 +16,6 @@ from console_page import page, robot, ros
 from waiting import wait_until
 from web_robot import ARM_JOINTS, DRIVE, POSITIONS
 
-from telex_experiments.rigs.private_master import descendants
-
 # the fixtures of the console's other tests, started anew for this file
 __all__ = ["page", "robot", "ros"]
 
@@ -76,20 +74,6 @@ def clean(tracks):
     tracks.probe.heard[TRACKS].clear()
 
 
-def processes(page, *, kind=None):
-    """Process ids of the browser: all, the pages', or its main one."""
-    commands = {}
-    for pid in descendants(page.driver.service.process.pid):
-        with contextlib.suppress(OSError), open(f"/proc/{pid}/cmdline") as file:
-            commands[pid] = file.read()
-    if kind == "page":
-        return [pid for pid, command in commands.items() if "--type=renderer" in command]
-    if kind == "main":
-        commands = {pid: each for pid, each in commands.items() if "--type=" not in each}
-        return [pid for pid, command in commands.items() if "--user-data-dir=" in command]
-    return list(commands)
-
-
 @contextlib.contextmanager
 def stopped(pids):
     """Let processes stand still."""
@@ -113,7 +97,7 @@ def test_a_page_that_was_stopped_moves_nothing_until_a_new_press(page, tracks):
         wait_until(tracks.run)
         # A press of now, which reaches the page when it is awake again.
         page.script("window.late = new KeyboardEvent('keydown', {code: 'KeyW'})")
-        with stopped(processes(page, kind="page")):
+        with stopped(page.browser.renderers()):
             wait_until(tracks.stand)
             time.sleep(0.4)
         page.script("window.dispatchEvent(late)")
@@ -124,7 +108,7 @@ def test_a_page_that_was_stopped_moves_nothing_until_a_new_press(page, tracks):
 
 def test_a_browser_that_no_longer_hears_the_keyboard_stops(page, tracks):
     """The page runs on while the main process hangs, and would never learn that a key is let go."""
-    (main,) = processes(page, kind="main")
+    main = page.browser.pid
     with page.hold("w"):
         wait_until(tracks.run)
         with stopped([main]):
@@ -189,9 +173,7 @@ def test_a_browser_that_is_killed_stops(page, tracks):
     page.down("w")
     wait_until(tracks.run)
     try:
-        for pid in processes(page):
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(pid, signal.SIGKILL)
+        page.browser.kill()
         wait_until(tracks.stand)
         assert tracks.stay()
     finally:

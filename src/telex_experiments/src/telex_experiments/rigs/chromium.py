@@ -41,35 +41,43 @@ FLAGS = (
 )
 """Without a window; it asks no other host for anything, and nobody for a choice."""
 
-_KEYS = {
-    **{f"Key{sign.upper()}": sign for sign in ascii_lowercase},
-    **{f"Digit{sign}": sign for sign in digits},
-    "Minus": "-",
-    "BracketLeft": "[",
-    "Quote": "'",
-    "Tab": "Tab",
-    "Comma": ",",
-    "Period": ".",
-    "Slash": "/",
-    "F2": "F2",
-    "Escape": "Escape",
-    "Home": "Home",
+_KEYS: Dict[str, Tuple[str, int]] = {
+    **{f"Key{sign.upper()}": (sign, ord(sign.upper())) for sign in ascii_lowercase},
+    **{f"Digit{sign}": (sign, ord(sign)) for sign in digits},
+    **{f"Numpad{sign}": (sign, 0x60 + int(sign)) for sign in digits},
+    **{f"F{number}": (f"F{number}", 0x6F + number) for number in range(1, 13)},
+    **{
+        f"Arrow{way}": (f"Arrow{way}", 0x25 + n)
+        for n, way in enumerate("Left Up Right Down".split())
+    },
+    "Backspace": ("Backspace", 0x08),
+    "Tab": ("Tab", 0x09),
+    "Enter": ("Enter", 0x0D),
+    "Escape": ("Escape", 0x1B),
+    "PageUp": ("PageUp", 0x21),
+    "PageDown": ("PageDown", 0x22),
+    "End": ("End", 0x23),
+    "Home": ("Home", 0x24),
+    "Insert": ("Insert", 0x2D),
+    "Delete": ("Delete", 0x2E),
+    "Space": (" ", 0x20),
+    "Semicolon": (";", 0xBA),
+    "Equal": ("=", 0xBB),
+    "Comma": (",", 0xBC),
+    "Minus": ("-", 0xBD),
+    "Period": (".", 0xBE),
+    "Slash": ("/", 0xBF),
+    "Backquote": ("`", 0xC0),
+    "BracketLeft": ("[", 0xDB),
+    "BracketRight": ("]", 0xDD),
+    "Quote": ("'", 0xDE),
 }
-"""Keys by their position, with the sign that a US keyboard has there, or their name."""
+"""Keys by their position: their sign on a US keyboard, or their name; and their virtual code."""
 
-_VIRTUAL = {
-    "Minus": 0xBD,
-    "Comma": 0xBC,
-    "Period": 0xBE,
-    "Slash": 0xBF,
-    "F2": 0x71,
-    "BracketLeft": 0xDB,
-    "Quote": 0xDE,
-    "Tab": 0x09,
-    "Escape": 0x1B,
-    "Home": 0x24,
-}
-"""Virtual key codes of those that are neither letters nor digits."""
+
+def code_of(key: str) -> str:
+    """Return the position of a key, which its sign on a US keyboard may name as well."""
+    return next((code for code, (sign, _) in _KEYS.items() if sign == key), key)
 
 
 class BrowserError(RuntimeError):
@@ -115,6 +123,8 @@ class Chromium:
     ----------
     complaints : list of str
         Errors that the page has logged, or has not caught, and what it could not load.
+    addresses : list of str
+        What the page has asked for while the protocol's domain ``Network`` was enabled.
 
     Raises
     ------
@@ -166,6 +176,7 @@ class Chromium:
         self._answers: Dict[int, Dict[str, Any]] = {}
         self._workers: List[str] = []
         self.complaints: List[str] = []
+        self.addresses: List[str] = []
         self._arrived = threading.Condition()
         self._ended = False
         threading.Thread(target=self._read, daemon=True).start()
@@ -226,6 +237,8 @@ class Chromium:
                     self._workers.append(news["params"]["sessionId"])
                 elif _complaint(news):
                     self.complaints.append(_complaint(news))
+                elif _address(news):
+                    self.addresses.append(_address(news))
         with self._arrived:
             self._ended = True
             self._arrived.notify_all()
@@ -281,8 +294,16 @@ class Chromium:
             mobile=False,
         )
 
+    def go(self, url: str) -> None:
+        """Show another page, or the same one anew, and wait until it is loaded."""
+        self.evaluate("void (window.telexLeft = true)")
+        problem = self.call("Page.navigate", url=url).get("errorText")
+        if problem:
+            raise BrowserError(f"{url}: {problem}")
+        self.wait_for(url, "window.telexLeft === undefined && document.readyState === 'complete'")
+
     def evaluate(self, script: str) -> Any:
-        """Return the value of an expression on the page."""
+        """Return the value of an expression on the page; where it is a promise, of that."""
         return self._evaluate(script, self.session)
 
     def evaluate_in_worker(self, script: str) -> Any:
@@ -300,7 +321,9 @@ class Chromium:
 
     def _evaluate(self, script: str, session: str) -> Any:
         method = "Runtime.evaluate"
-        number = self.tell(method, session, expression=script, returnByValue=True)
+        number = self.tell(
+            method, session, expression=script, returnByValue=True, awaitPromise=True
+        )
         answer = self._answer(method, number)
         if "exceptionDetails" in answer:
             raise BrowserError(f"{script[:80]}: {_told(answer)}")
@@ -312,9 +335,11 @@ class Chromium:
         script = f"(() => {{ try {{ return ({script}); }} catch {{ return null; }} }})()"
         end = time.monotonic() + timeout
         while time.monotonic() < end:
-            value = self.evaluate(script)
-            if value:
-                return value
+            # Nor may the page be.
+            with contextlib.suppress(PageLeftError):
+                value = self.evaluate(script)
+                if value:
+                    return value
             time.sleep(0.05)
         raise BrowserError(f"not within {timeout:g} s: {what}")
 
@@ -345,25 +370,33 @@ class Chromium:
         return offset, 0.5 * best
 
     def key(self, kind: str, code: str, repeats: bool = False) -> int:
-        """Press (``rawKeyDown``) or let go (``keyUp``) a key; does not wait."""
-        sign = _KEYS[code]
+        """Press (``keyDown``) or let go (``keyUp``) a key; returns the number for `handled`."""
+        sign, virtual = _KEYS[code]
+        text = {"Enter": "\r"}.get(code, sign if len(sign) == 1 else "")
+        # What has a text is a character as well; a button is pressed by that of Enter.
+        typed = {"text": text} if text and kind == "keyDown" else {}
         return self.tell(
             "Input.dispatchKeyEvent",
             self.session,
-            type=kind,
+            type="rawKeyDown" if kind == "keyDown" and not text else kind,
             code=code,
             key=sign,
-            windowsVirtualKeyCode=_VIRTUAL[code] if code in _VIRTUAL else ord(sign.upper()),
+            windowsVirtualKeyCode=virtual,
             autoRepeat=repeats,
+            **typed,
         )
+
+    def handled(self, number: int) -> None:
+        """Wait until the page has handled an event: what it is asked does not queue behind them."""
+        self._answer("Input.dispatchKeyEvent", number)
 
     def press(self, code: str) -> None:
         """Press a key, and keep it down."""
-        self.key("rawKeyDown", code)
+        self.key("keyDown", code)
 
     def repeat(self, code: str) -> None:
         """Say again that a key is down, as a keyboard does while it is held."""
-        self.key("rawKeyDown", code, repeats=True)
+        self.key("keyDown", code, repeats=True)
 
     def release(self, code: str) -> None:
         """Let a key go."""
@@ -375,6 +408,10 @@ class Chromium:
             "targetId"
         ]
         return name
+
+    def close_tab(self, tab: str) -> None:
+        """Close another tab."""
+        self._call_browser("Target.closeTarget", targetId=tab)
 
     def show(self, tab: Optional[str] = None) -> None:
         """Bring a tab to the front, by default the page; does not wait."""
@@ -444,6 +481,14 @@ def _complaint(news: Dict[str, Any]) -> str:
     if method == "Log.entryAdded" and params["entry"]["level"] == "error":
         return f"{params['entry']['text']} {params['entry'].get('url', '')}".strip()
     return ""
+
+
+def _address(news: Dict[str, Any]) -> str:
+    """Return what the page asks for, if that is what the browser tells."""
+    method, params = news["method"], news["params"]
+    if method == "Network.requestWillBeSent":
+        return str(params["request"]["url"])
+    return str(params["url"]) if method == "Network.webSocketCreated" else ""
 
 
 def _target(news: Dict[str, Any]) -> str:
