@@ -138,7 +138,7 @@ def operated(name, folder, files, *arguments):
             print(launch.output_tail(60))
             raise
         finally:
-            launch.end()
+            launch.end(timeout=0.0)
 
 
 def e_stop_holds(operator, code, moves):

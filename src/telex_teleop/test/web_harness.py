@@ -59,6 +59,10 @@ class Ros:
         return self
 
     def __exit__(self, *_):
+        # All at once; and SIGINT does not end the probe where a shell has made us ignore it.
+        for process in self.processes:
+            with contextlib.suppress(ProcessLookupError):
+                process.send_signal(signal.SIGTERM)
         while self.processes:
             stop_process(self.processes.pop())
         self._master.__exit__()

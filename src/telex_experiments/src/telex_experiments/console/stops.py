@@ -228,7 +228,8 @@ class Stops:
             _wait("the robot to stand", lambda: self._log.newest > begin + WATCHED)
             stop = self._judge(way, begin)
         finally:
-            end_tree(driver)
+            # It may be stopped, and would not end when it is asked.
+            end_tree(driver, timeout=0.0)
         if way.by is signal.SIGSTOP:
             with contextlib.suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGCONT)

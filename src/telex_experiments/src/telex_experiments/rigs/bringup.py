@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Callable, Dict, List, Mapping, Sequence, Tuple, TypeVar
 
 from telex_control.common.child_processes import DIES_WITH_US
-from telex_experiments.rigs.private_master import descendants, end_tree
+from telex_experiments.rigs.private_master import STOP_TIMEOUT, descendants, end_tree
 
 Value = TypeVar("Value")
 
@@ -72,9 +72,12 @@ class Bringup:
         """Process of roslaunch."""
         return self._process.pid
 
-    def end(self) -> None:
-        """End every process that was started."""
-        end_tree(self._process)
+    def end(self, timeout: float = STOP_TIMEOUT) -> None:
+        """End every process that was started; after some time (s), those that are left are killed.
+
+        An end in order takes seconds.
+        """
+        end_tree(self._process, timeout)
 
     def wait_for(self, what: str, condition: Callable[[], Value], timeout: float = 120.0) -> Value:
         """Return the first true value of `condition`.

@@ -69,8 +69,8 @@ class PrivateSimulator(Bringup):
         return self
 
     def __exit__(self, *exception: object) -> None:
-        """End every process that was started."""
-        self.end()
+        """End every process that was started; what one has measured is at hand by then."""
+        self.end(timeout=0.0)
         self._logs.cleanup()
 
     def wait_for_master(self) -> None:
