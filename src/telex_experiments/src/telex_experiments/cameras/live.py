@@ -38,7 +38,7 @@ from telex_experiments.rigs.stream_reader import open_stream, pictures
 HEADLIGHTS = ("front_left", "front_right")
 # Pictures of each camera that go before a measurement.
 WARM_UP = 5
-# Of a measurement; before each, the bare getCameraImage is measured.
+# Of a measurement, one a second at most; before each, the bare getCameraImage is measured.
 STRETCHES = 4
 # After that, until pictures count (s).
 CATCH_UP = 0.3
@@ -280,14 +280,15 @@ class Live:
         bare, ages, elapsed, used = [], [], 0.0, 0.0
         seen = dict.fromkeys(viewers, 0)
         with self.rocking() if moves else contextlib.nullcontext(), self.real_time():
-            for _ in range(STRETCHES):
+            stretches = min(STRETCHES, math.ceil(seconds))
+            for _ in range(stretches):
                 bare.append(bare_picture().cost())
                 # Nothing else of this process went on meanwhile: what has piled up does not count.
                 time.sleep(CATCH_UP)
                 for viewer in viewers.values():
                     viewer.pictures, viewer.ages = 0, []
                 began, before = time.monotonic(), cpu_seconds(self._cameras)
-                time.sleep(seconds / STRETCHES)
+                time.sleep(seconds / stretches)
                 elapsed += time.monotonic() - began
                 used += cpu_seconds(self._cameras) - before
                 print(f"  {elapsed:.1f} s: {counts()}", flush=True)

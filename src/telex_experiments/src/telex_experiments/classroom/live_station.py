@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 import urllib.request
 from typing import Any, Dict, Iterator, List, Optional, Sequence
 
@@ -17,6 +18,7 @@ from telex_control.common.child_processes import DIES_WITH_US
 from telex_experiments.classroom.class_server import ClassServer
 from telex_experiments.rigs.bringup import STATION
 from telex_experiments.rigs.private_simulator import PrivateSimulator, cpu_seconds
+from telex_experiments.rigs.report import PATIENCE
 from telex_experiments.workspace import ROOT
 
 ASKED = ("video_server", "training", "master")
@@ -124,6 +126,16 @@ class Looking:
                     if number is not None and numbers.get(name) != number:
                         numbers[name] = number
                         urllib.request.urlopen(f"{self._url}api/picture/{name}").read()
+
+    def wait_until_all_here(self) -> None:
+        """Wait until all stations answer, with pictures where they are wanted."""
+        end = time.monotonic() + PATIENCE
+        while time.monotonic() < end:
+            with contextlib.suppress(RuntimeError):
+                self.require_all_here()
+                return
+            time.sleep(0.1)
+        self.require_all_here()
 
     def require_all_here(self) -> None:
         """Raise a RuntimeError unless all stations answer, with pictures where they are wanted."""
