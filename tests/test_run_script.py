@@ -164,6 +164,7 @@ def test_the_first_picture_may_be_of_any_camera(wait_ready, monkeypatch):
 
 
 @pytest.mark.ros
+@pytest.mark.waiting
 def test_run_starts_everything_and_ctrl_c_leaves_nothing(private):
     marker, environment = private
     terminal = Terminal(
@@ -201,6 +202,7 @@ def test_run_starts_everything_and_ctrl_c_leaves_nothing(private):
 
 
 @pytest.mark.ros
+@pytest.mark.waiting
 def test_it_starts_on_an_address_that_needs_tokens_without_a_front_camera(private, tmp_path):
     marker, environment = private
     (tmp_path / "mine").write_text("sesame")
@@ -240,6 +242,7 @@ def test_it_starts_on_an_address_that_needs_tokens_without_a_front_camera(privat
 
 
 @pytest.mark.ros
+@pytest.mark.waiting
 @pytest.mark.parametrize("delay", [1.0, 3.0])
 def test_ctrl_c_while_it_starts_leaves_nothing_either(private, delay):
     marker, environment = private
@@ -256,6 +259,7 @@ def test_ctrl_c_while_it_starts_leaves_nothing_either(private, delay):
 
 
 @pytest.mark.ros
+@pytest.mark.waiting
 def test_a_port_in_use_is_said_and_ends_the_start(private):
     marker, environment = private
     with socket.socket() as taken:
@@ -274,6 +278,7 @@ def test_a_port_in_use_is_said_and_ends_the_start(private):
 
 
 @pytest.mark.ros
+@pytest.mark.waiting
 def test_a_start_that_fails_says_why_and_leaves_nothing(private):
     marker, environment = private
     terminal = Terminal(

@@ -52,6 +52,7 @@ def gripper_status(environment):
 
 
 @pytest.mark.ros
+@pytest.mark.waiting
 def test_a_variant_comes_up_with_what_it_has(tmp_path):
     output = tmp_path / "output.txt"
     with PrivateMaster() as master, open(output, "w") as file:
@@ -90,6 +91,7 @@ def test_a_variant_comes_up_with_what_it_has(tmp_path):
 
 
 @pytest.mark.ros
+@pytest.mark.waiting
 def test_groups_are_switched_without_a_gripper_and_a_killed_spawner_comes_back(tmp_path):
     output = tmp_path / "output.txt"
     with PrivateMaster() as master, open(output, "w") as file:
