@@ -337,6 +337,7 @@ def test_what_the_instructor_says_stands_there_until_it_is_read(robot, page):
     wait_until(lambda: not page.element("#instructor-text").is_displayed())
     page.press("F7")
     say(number=4)
+    wait_until(lambda: page.element("#instructor-text").is_displayed())
     page.element("#instructor-text-read").click()
     wait_until(lambda: robot.probe.requests_of(service)[1:] == [{"number": 4}])
     say(number=5, text="", read=True)  # taken back
