@@ -61,6 +61,15 @@ FAULTS = """
         }
       }
     }
+    for (const part of document.querySelectorAll(".stage, .instruments, .log, .second")) {
+      const room = part.parentElement.checkVisibility() && part.parentElement;
+      if (!room || getComputedStyle(room).display === "contents" || !shown(part)) continue;
+      const less = part.getBoundingClientRect().bottom - room.getBoundingClientRect().bottom;
+      if (less > 1) faults.push(`${less} px cut off below: ${part.className}`);
+    }
+    const {clientWidth: wide, clientHeight: high} = document.getElementById("view");
+    const isPair = document.body.dataset.second === "true" && innerWidth > 900;
+    if (isPair && wide > 1.06 * 4 / 3 * high) faults.push(`bars beside it: ${wide} x ${high}`);
     const view = document.getElementById("picture").getBoundingClientRect();
     if (view.width * view.height < 0.09 * innerWidth * innerHeight) faults.push("small first view");
     return [...new Set(faults)];
@@ -122,6 +131,10 @@ def test_every_layout_is_whole_on_every_screen(robot, page, size):
     faults["e-stop"] = page.script(FAULTS)
     assert page.element("#estop").is_displayed()
     robot.publish_sim()
+    page.element("#help").click()
+    page.element("#tour-start").click()
+    faults["tour"] = page.script(FAULTS)
+    page.element("#tour-skip").click()
     page.element('[data-command="second"]').click()
     faults["one view"] = page.script(FAULTS)
     page.element("#aids-open").click()

@@ -280,6 +280,40 @@ def test_nothing_is_cut_off(page, size):
     page.resize(1280, 720)
 
 
+# What is cut off or goes beyond its part of the page, or is too small for a finger, on a tablet.
+FAULTS = """
+    const parts = [...document.querySelectorAll("button, select, input:not([type=checkbox]), a")];
+    return parts.filter((each) => each.checkVisibility()).flatMap((each) => {
+      const {left, right, width, height} = each.getBoundingClientRect();
+      const room = each.closest("td, .card, .panel, header, footer").getBoundingClientRect();
+      const name = each.id || each.innerText;
+      return [
+        each.tagName === "BUTTON" && each.scrollWidth > each.clientWidth + 2 && `cut: ${name}`,
+        (left < room.left - 1 || right > room.right + 1) && `beyond its part: ${name}`,
+        width < 36 && `narrow: ${name}`,
+        innerWidth <= 900 && height < 44 && `low: ${name}`,
+      ].filter(Boolean);
+    });
+"""
+
+
+def test_words_of_all_languages_have_room_on_a_tablet(ros, page):
+    assert page.driver.execute_async_script(OTHER, f"{ros.param('/telex/rosbridge/url')}?name=Ann")
+    wait_until(lambda: page.driver.find_elements("css selector", "#roster button"))
+    faults = {}
+    for language in ("en", "de", "fr"):
+        assert page.script("return document.documentElement.lang") == language
+        for size in ((820, 1180), (1024, 768)):
+            page.resize(*size)
+            for tab in ("scene", "faults", "lesson"):
+                page.element(f"#tab-{tab}").click()
+                faults[language, size, tab] = page.script(FAULTS)
+        page.element("#language").click()
+    page.resize(1280, 720)
+    page.script("other.close(); localStorage.removeItem('telex.language')")
+    assert {state: found for state, found in faults.items() if found} == {}
+
+
 @pytest.mark.skipif(axe.lacking() != "", reason=axe.lacking())
 def test_axe_finds_nothing(page):
     found = axe.findings(page.script)
