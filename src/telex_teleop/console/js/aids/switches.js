@@ -50,7 +50,7 @@ export class Switches {
       const cap = element("kbd");
       cap.dataset.binding = action;
       const note = element("span", "aid-note");
-      button.append(cap, element("span", "", label), note);
+      button.append(cap, element("span", "", text(label)), note);
       return { name: does.name, button, note };
     });
     byId("aids-switches").append(...this._buttons.map(({ button }) => button));

@@ -1102,6 +1102,8 @@ export const DE = {
   "drag the picture or the map to look about": "Bild oder Karte ziehen, um sich umzusehen",
   "holds": "hält",
   "move": "versetzen",
+  "{by} says:": "{by} sagt:",
+  "I have read it": "Gelesen",
   "not read yet: {words}": "noch nicht gelesen: {words}",
   "nothing": "nichts",
   "one square is {n} m": "ein Feld ist {n} m",

@@ -2,7 +2,7 @@
 /** What the instructor says to the trainee: in the header until he acknowledges it, by key or button. */
 
 import { makeButton } from "../buttons.js";
-import { text as say } from "../language.js";
+import { text } from "../language.js";
 import { byId, element, keyCap, setText } from "../panels.js";
 
 const TYPE = "telex_msgs/TrainingText";
@@ -28,7 +28,7 @@ export class InstructorText {
     const isShown = told.text !== "" && !told.read;
     byId("instructor-text").hidden = !isShown;
     if (!isShown) return;
-    setText(byId("instructor-text-by"), say("{by} says:", { by: told.by }));
+    setText(byId("instructor-text-by"), text("{by} says:", { by: told.by }));
     setText(byId("instructor-text-words"), told.text);
   }
 
@@ -50,7 +50,7 @@ function build(read) {
   words.id = "instructor-text-words";
   const button = makeButton("", read);
   button.id = "instructor-text-read";
-  button.append(keyCap("read"), " ", say("I have read it"));
+  button.append(keyCap("read"), " ", text("I have read it"));
   line.append(by, words, button);
   return line;
 }
