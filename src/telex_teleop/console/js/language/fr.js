@@ -1102,7 +1102,7 @@ export const FR = {
   "drag the picture or the map to look about": "faites glisser l’image ou la carte pour regarder autour",
   "holds": "tient",
   "move": "déplacer",
-  "{by} says:": "{by} dit :",
+  "{by} says:": "{by} dit :",
   "I have read it": "Lu",
   "not read yet: {words}": "pas encore lu : {words}",
   "nothing": "rien",
