@@ -192,6 +192,11 @@ export class Bridge {
     if (this.connected) this._subscribeNow(subscription);
   }
 
+  /** Ask anew for all that is listened to: what was closed may be open by now. */
+  subscribeAnew() {
+    for (const subscription of this._subscriptions.values()) this._subscribeNow(subscription);
+  }
+
   /** @param {string} topic */
   unsubscribe(topic) {
     if (this._subscriptions.delete(topic)) this._send({ op: "unsubscribe", id: `subscribe:${topic}`, topic });

@@ -35,13 +35,12 @@ import { Layouts } from "./layouts.js";
 import { ModeSwitch } from "./modes.js";
 import { Motion } from "./motion.js";
 import { fetchPadMap } from "./pad_map.js";
-import { getParameter } from "./parameters.js";
 import { Panels, all, byId, setText, showTwist } from "./panels.js";
 import { leaveOut, showAction } from "./presence.js";
 import { PictureSize } from "./picture_size.js";
 import { DOSIMETER, DosimeterView } from "./radiation/dosimeter.js";
 import { RadiationMap } from "./radiation/map.js";
-import { FLIPPER_NODE, JOINT_NODES, TRACK_NODE, TYPES, UNKNOWN, fetchRobot, isSameRobot } from "./robot.js";
+import { FLIPPER_NODE, JOINT_NODES, TRACK_NODE, TYPES, UNKNOWN, fetchRobot, fetchUrdf, isSameRobot } from "./robot.js";
 import { RobotClient } from "./robot_client.js";
 import { showRobot } from "./several_robots.js";
 import { SURFACE, Sound } from "./sound/sound.js";
@@ -65,19 +64,18 @@ const MODEL_RETRY_AFTER = 2000; // ms between two attempts to get the robot's de
 const GIVEN = new URLSearchParams(location.search);
 
 /**
- * Ask for the robot's description until there is one.
+ * Ask for the robot's description until there is one. The bridge tells no parameters while an exam runs.
  * @param {import("./bridge.js").Bridge} bridge
- * @param {string} parameter
  * @returns {Promise<RobotModel>}
  */
-async function fetchModel(bridge, parameter) {
+async function fetchModel(bridge) {
   for (;;) {
     if (bridge.connected) {
       try {
-        const urdf = await getParameter(bridge, parameter);
-        if (typeof urdf === "string") return new RobotModel(urdf);
+        const urdf = await fetchUrdf(GIVEN);
+        if (urdf !== null) return new RobotModel(urdf);
       } catch (error) {
-        console.info(`${parameter}: ${/** @type {Error} */ (error).message}`);
+        console.info(`the robot's description: ${/** @type {Error} */ (error).message}`);
       }
     }
     await new Promise((resolve) => setTimeout(resolve, MODEL_RETRY_AFTER));
@@ -153,6 +151,8 @@ class Console {
     this._strip = new TrainingStrip(this._training, GIVEN, letGo);
     this._chooser = new ExerciseChooser(this._training, GIVEN, letGo);
     this._text = new InstructorText(robot);
+    /** Of the trial that is open, and of the bridge, which closes to trainees what an exam does not leave them. */
+    this._isExam = this._listHolds = false;
     this._tellTelemetry = () => {}; // until there is somebody to tell it
     this._health = new Health(this._status, letGo);
     this._line = new Line((sentence, level) => this._status.log(sentence, level));
@@ -199,7 +199,7 @@ class Console {
     const aids = new Aids({
       vocabulary: this._vocabulary, bridge: this._bridge, topic: this._topic, cameras: this._cameras, layouts: this._layouts,
       joints: this._joints, gripper: this._gripper, map: this._map, zooms: (camera) => this._cameraCommander.zooms(camera),
-      paused: () => this._status.paused, warn: (sentence) => this._status.warn(sentence), odometry: this._facts.odometry,
+      paused: () => this._status.paused, warn: (sentence) => this._status.warn(sentence),
       guards: () => this._tool.guards,
     }, localStorage, robot);
     this._cameraCommander.zoomed = (camera, factor) => aids.zoom(camera, factor);
@@ -398,14 +398,27 @@ class Console {
       this._showTraining(true);
       this._strip.show(state);
       this._brief.show(state);
-      this._aids.hearTraining(state);
-      this._sound.hearTraining(state);
+      this._isExam = state.mode === "exam" && state.phase !== "idle" && state.phase !== "ended";
+      this._followExam();
+    });
+    this._listen("bridge/exam", "std_msgs/String", ({ data }) => {
+      const ends = this._listHolds && data === "";
+      this._listHolds = data !== "";
+      if (ends) this._bridge.subscribeAnew();
+      this._followExam();
     });
     this._text.subscribe();
     const look = () => ({ ...this._cameras.seen, held: [...this._held.actions], aids: { ...this._aids.told, ...this._sound.told } });
     this._tellTelemetry = tellTelemetry(this._bridge, this._topic, () => this._control.isMine && this._control.isKnown ? look() : null);
     this._subscribeToSimulator();
     this._subscribeToNodes();
+  }
+
+  /** Have shown and heard what an exam leaves, while one is open and as long as its list holds: the recording is signed first. */
+  _followExam() {
+    const exam = this._isExam || this._listHolds;
+    this._aids.setExam(exam);
+    this._sound.setExam(exam);
   }
 
   /** Show what there is of exercises, which need the training node. @param {boolean} isThere */
@@ -606,7 +619,7 @@ class Console {
   }
 
   async _showModel() {
-    const model = await fetchModel(this._bridge, this._topic("robot_description"));
+    const model = await fetchModel(this._bridge);
     this._model = model;
     this._panels.setModel(model);
     this._avatar.setModel(model);

@@ -26,12 +26,15 @@ export const TYPES = {
  * What the video server tells of the robot, from its URDF and its nodes' parameters.
  * @typedef {{name: string, measured_by: string[], geometry: import("./gripper.js").Geometry | null}} GripperFacts  `name`: by which all
  *   its joints are moved together; `measured_by`: those whose mean is its value.
+ * @typedef {{axles: string[], radius: number, half_width: number}} TrackFacts  Joints that turn tracks or wheels; in m.
  * @typedef {object} Facts
  * @property {Record<string, {zoom_max: number | null}>} cameras
  * @property {Record<"arm" | "gripper" | "flipper", string[]> | null} moves  Joints that each node moves; null: it is not said.
  * @property {Record<"left" | "right", string[]>} sides   Flippers and fingers of each.
  * @property {GripperFacts | null} gripper
  * @property {string | null} odometry  Topic; null: it cannot drive.
+ * @property {TrackFacts | null} [tracks]
+ * @property {string | null} [tool]  Link that is the arm's.
  * @property {Record<string, any>} [equipment]
  * @property {Record<string, any>} [training_aids]  What stands in for equipment that it lacks, in practice.
  */
@@ -47,6 +50,18 @@ export async function fetchRobot(given) {
   const reply = await fetch(`/robot.json?${whichRobot(given)}`, { cache: "no-store" });
   if (!reply.ok) throw new Error(`the video server says ${reply.status}`);
   return { ...UNKNOWN, ...(await reply.json()) };
+}
+
+/**
+ * The robot's description; null: there is none yet.
+ * @param {URLSearchParams} given  With the token, which it needs as pictures do.
+ * @returns {Promise<string | null>}
+ */
+export async function fetchUrdf(given) {
+  const query = new URLSearchParams([...given].filter(([name]) => ["robot", "token", "role"].includes(name)));
+  const reply = await fetch(`/robot.urdf?${query}`, { cache: "no-store" });
+  if (!reply.ok) throw new Error(`the video server says ${reply.status}`);
+  return reply.status === 204 ? null : reply.text();
 }
 
 /** Whether what two answers say that can be moved is the same. @param {Facts} a @param {Facts} b */

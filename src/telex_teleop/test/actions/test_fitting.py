@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from telex_teleop.actions.abilities import Abilities, MovedJoint, abilities_of
+from telex_teleop.actions.abilities import Abilities, MovedJoint, TrackFacts, abilities_of
 from telex_teleop.actions.fitting import fit
 from telex_teleop.actions.vocabulary import Vocabulary
 
@@ -134,6 +134,15 @@ class TestTelex:
         }
         assert len(facts["sides"]["right"]) == 5
 
+    def test_the_page_knows_what_it_stands_on_and_its_tool(self):
+        controllers = load(ROOT / "src/telex_control/config/telex_controllers.yaml")
+        parameters = {**telex(), "track_controller": controllers["track_controller"]}
+        facts = robot_of(parameters).as_json()
+        axles = [f"{e}_{s}_track_joint" for s in ("left", "right") for e in ("front", "rear")]
+        assert sorted(facts["tracks"].pop("axles")) == sorted(axles)
+        assert facts["tracks"] == {"radius": 0.11, "half_width": 0.2}
+        assert facts["tool"] == "tool_link"
+
     def test_a_variant_without_telescope_has_no_keys_for_it(self):
         answer = told(telex("six_axis"))
         lacking = set(told(telex())["actions"]) - set(answer["actions"])
@@ -179,6 +188,21 @@ class TestRover:
         facts = robot_of(ROVER).as_json()
         assert facts["odometry"] == "wheel_controller/odom"
         assert facts["moves"] == {"arm": [], "gripper": [], "flipper": []}
+        assert (facts["tracks"], facts["tool"]) == (None, None)
+
+    def test_the_description_tells_of_its_wheels_what_their_controller_does_not(self):
+        left, right = (
+            [f"{end}_{side}_wheel_joint" for end in ("front", "rear")] for side in ("left", "right")
+        )
+        controller = {"left_wheel": left, "right_wheel": right}
+        known = robot_of({**ROVER, "wheel_controller": controller}).tracks
+        assert known == TrackFacts((*left, *right), 0.16, 0.29)
+        told = {**controller, "wheel_radius": 0.15, "wheel_separation": 0.5}
+        assert robot_of({**ROVER, "wheel_controller": told}).tracks == TrackFacts(
+            (*left, *right), 0.15, 0.25
+        )
+        for wrong in ("wheels", {**controller, "left_wheel": "none_joint"}, {"left_wheel": []}):
+            assert robot_of({**ROVER, "wheel_controller": wrong}).tracks is None
 
 
 class TestArmOnAFixedBase:

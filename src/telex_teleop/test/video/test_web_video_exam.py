@@ -195,6 +195,29 @@ def test_without_an_instructors_token_nobody_is_one_during_an_exam(tmp_path):
     run(check())
 
 
+def test_the_robots_description_is_told_in_an_exam_to_who_may_see_pictures(tmp_path):
+    bench = Bench(tmp_path)
+
+    async def check():
+        async with bench.served() as http:
+            assert await status(http, "/robot.urdf") == 204  # there is none yet
+            bench.pictures.params["robot_description"] = "<robot name='telex'/>"
+            bench.server.hear_of_exam(TRIAL)
+            async with http.get("/robot.urdf") as reply:
+                assert (await reply.text(), reply.content_type) == (
+                    "<robot name='telex'/>",
+                    "application/xml",
+                )
+            assert await status(http, "/robot.urdf?robot=husky") == 404
+            (tmp_path / "clients").write_text("sesame")
+            (tmp_path / "clients").chmod(0o600)
+            bench.pictures.params["rosbridge/token_file"] = str(tmp_path / "clients")
+            assert await status(http, "/robot.urdf") == 401
+            assert await status(http, "/robot.urdf?token=sesame") == 200
+
+    run(check())
+
+
 def test_a_list_that_cannot_be_read_ends_the_server(tmp_path):
     bench = Bench(tmp_path, str(tmp_path / "none.yaml"))
 

@@ -5,7 +5,6 @@ import { atBeat } from "../beat.js";
 import { yawOf } from "../hud.js";
 import { text } from "../language.js";
 import { fixed } from "../panels.js";
-import { awaitParameter } from "../parameters.js";
 import { transform } from "../urdf.js";
 import { bandFigures, zoomText } from "./band.js";
 import { Calibrations } from "./calibrations.js";
@@ -41,7 +40,6 @@ const WEAK = 0.8; // share of the friction in use from which a grip is nearly to
  * @property {() => boolean} paused
  * @property {(sentence: string) => void} warn
  * @property {() => boolean} guards  Whether the arm is held back from what is near.
- * @property {string | null} odometry  Topic, in the namespace of what drives; null: nothing does.
  */
 
 /** A message of another node, which counts for a while. @template Message */
@@ -83,8 +81,10 @@ export class Aids {
     this._painters = new Map();
     /** @type {import("../urdf.js").RobotModel | null} */
     this._model = null;
-    /** As the robot's parameters have them. @type {{tracks: any, tool: string}} */
-    this._told = { tracks: null, tool: "" };
+    /** @type {import("../robot.js").TrackFacts | null} */
+    this._tracks = null;
+    /** Link that is the tool; empty: there is none. */
+    this._tool = "";
     /** @type {Record<string, any>} */
     this._equipment = {};
     /** What stands in for equipment that is not there, in practice. @type {Record<string, any>} */
@@ -141,28 +141,23 @@ export class Aids {
     this.change();
   }
 
-  /** Ask, after every new connection, how the robot is made. */
-  async connected() {
-    const { bridge, topic, odometry } = this._sources;
+  /** After every new connection cameras may be others. */
+  connected() {
     this._calibrations.forget();
-    const ask = (/** @type {string} */ name) => awaitParameter(bridge, topic(name)).catch(() => undefined);
-    const [tracks, tool] = await Promise.all([odometry === null ? undefined : ask(odometry.split("/")[0]), ask("arm_teleop/frames/tool")]);
-    // Of what is not answered, that before still holds.
-    if (tracks !== undefined) this._told.tracks = tracks;
-    if (tool !== undefined) this._told.tool = typeof tool === "string" ? tool : "";
     this.change();
   }
 
-  /** @param {{equipment?: Record<string, any>, training_aids?: Record<string, any>}} robot  As /robot.json has it. */
-  setRobot({ equipment = {}, training_aids: standIns = {} }) {
+  /** @param {import("../robot.js").Facts} robot */
+  setRobot({ equipment = {}, training_aids: standIns = {}, tracks = null, tool = null }) {
     this._equipment = equipment;
     this._standIns = standIns;
+    this._tracks = tracks;
+    this._tool = tool ?? "";
     this._allow();
   }
 
-  /** @param {{phase: string, mode: string}} state  telex_msgs/TrainingState */
-  hearTraining({ phase, mode }) {
-    const exam = mode === "exam" && phase !== "idle" && phase !== "ended";
+  /** @param {boolean} exam  Whether equipment is all that may be shown. */
+  setExam(exam) {
     if (exam === this._exam) return;
     this._exam = exam;
     this._allow();
@@ -314,14 +309,13 @@ export class Aids {
 
   /** @param {Sight} sight @param {Map<string, Pose>} poses @param {any} stability  telex_msgs/Stability */
   _guides(sight, poses, stability) {
-    const { tracks } = this._told;
-    const names = [tracks?.left_wheel, tracks?.right_wheel].flat().filter((name) => typeof name === "string");
-    const axles = names.flatMap((name) => {
+    if (this._tracks === null) return [];
+    const axles = this._tracks.axles.flatMap((name) => {
       const link = this._model?.joints.find((joint) => joint.name === name)?.child;
       const pose = link === undefined ? undefined : poses.get(link);
       return pose === undefined ? [] : [pose.translation];
     });
-    const gear = gearOf(axles, tracks?.wheel_radius, tracks?.braking?.half_width ?? tracks?.wheel_separation / 2);
+    const gear = gearOf(axles, this._tracks.radius, this._tracks.half_width);
     if (gear === null) return [];
     const corners = (stability?.support ?? []).map((/** @type {any} */ { x, y, z }) => /** @type {Vector} */ ([x, y, z]));
     // What it stands on is known from what carries it; else it stands on its tracks.
@@ -336,7 +330,7 @@ export class Aids {
    * @returns {(Aim & {beyond: number}) | null}  `beyond`: of a range, how much lies before the middle of the fingers (m).
    */
   _aim(poses) {
-    const tool = poses.get(this._told.tool);
+    const tool = poses.get(this._tool);
     const finder = this._finder === undefined ? undefined : poseOf(poses, this._finder.frame);
     const from = finder ?? tool;
     if (from === undefined) return null;

@@ -119,9 +119,8 @@ export class Sound {
     this._motors.setLimits(new Map(model.joints.map(({ name, most }) => [name, most])));
   }
 
-  /** @param {{mode: string, phase: string}} state  telex_msgs/TrainingState */
-  hearTraining({ mode, phase }) {
-    const isExam = mode === "exam" && phase !== "idle";
+  /** @param {boolean} isExam  Whether equipment is all that may be heard. */
+  setExam(isExam) {
     if (isExam === this._isExam) return;
     this._isExam = isExam;
     this._show();

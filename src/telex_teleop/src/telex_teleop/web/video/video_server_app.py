@@ -232,6 +232,7 @@ class VideoServer:
         app.router.add_get("/streams", self.streams)
         app.router.add_get("/config.json", self.console_config)
         app.router.add_get("/robot.json", self.robot)
+        app.router.add_get("/robot.urdf", self.urdf)
         add_maps(app, self._config.actions, self._config.joy_map, self._abilities)
         app.router.add_get("/{path:.*}", self.console_file)
         app.router.add_post("/{path:.*}", self._mounts.answer)
@@ -424,6 +425,15 @@ class VideoServer:
         if abilities is not None:
             robot.update(abilities.as_json())
         return web.json_response(robot, headers={"Access-Control-Allow-Origin": "*"})
+
+    async def urdf(self, request: web.Request) -> web.Response:
+        """Send a robot's description, also while an exam closes the parameters; none: 204."""
+        robot = self._asked_robot(request)
+        await robot.gate.admit(request)
+        described = await self._parameter(f"{robot.prefix}robot_description")
+        if not isinstance(described, str):
+            return web.Response(status=204)
+        return web.Response(text=described, content_type="application/xml")
 
     async def _abilities(self, request: web.Request) -> Optional[Abilities]:
         """Return what can be done with the robot that a client's address names, if that is said."""
