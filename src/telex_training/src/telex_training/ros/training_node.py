@@ -522,7 +522,7 @@ class TrainingNode:
         session = self.open(known_exercise(exercise), setting, mode, operator)
         if start:
             try:
-                self._trigger(lambda current: current.start())
+                self._trigger(self._start)
             except SessionError as error:
                 raise SessionError(f"it is open, but not started: {error}") from error
         return session.trial
