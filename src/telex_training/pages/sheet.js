@@ -115,12 +115,12 @@ function lineText({ time, profile, ...figures }) {
 
 /**
  * Which aids were on, in words: those of the robot's equipment first, then training aids, which stand in for what it lacks.
- * @param {{text: string, training: boolean, seconds: number}[]} aids
+ * @param {{text: string, training: boolean, seconds: number, robot?: string}[]} aids  `robot`: of a team, which one, but the first.
  */
 function aidsParts(aids) {
   const named = (/** @type {boolean} */ training) => {
     const those = aids.filter((aid) => aid.training === training);
-    return those.map((aid) => `${translated(aid.text)} (${number(aid.seconds, 0)} s)`).join(", ");
+    return those.map((aid) => `${translated(aid.text)} (${[...(aid.robot === undefined ? [] : [aid.robot]), `${number(aid.seconds, 0)} s`].join(", ")})`).join(", ");
   };
   const parts = [element("p", text("Aids that were on: {names}", { names: named(false) || text("none|count") }), { class: "about aids" })];
   const training = named(true);

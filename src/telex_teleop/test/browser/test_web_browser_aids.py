@@ -191,6 +191,31 @@ def test_an_exam_leaves_no_training_aid(robot, page):
         robot.probe.publish(CONTACT, "telex_msgs/GripperContact")
 
 
+def test_a_page_loaded_in_an_exam_knows_the_robot_and_hears_afterwards_what_was_closed(robot, page):
+    def exam(trial):
+        topic = "/telex/training/exam"
+        robot.probe.publish(topic, "std_msgs/String", {"data": trial}, latch=True)
+
+    touch = {"pads": [{"link": "pad_link", "normal_force": 12.0}], "object": "cube"}
+    robot.probe.publish(CONTACT, "telex_msgs/GripperContact", touch, rate=20)
+    try:
+        page.press(Keys.NUMPAD1)
+        page.press(Keys.NUMPAD4)
+        wait_until(lambda: painted(page) > 0)
+        exam("t1")
+        wait_until(lambda: painted(page) == 0)
+        page.load()
+        page.press(Keys.NUMPAD1)
+        wait_until(lambda: painted(page) > 0)
+        page.press(Keys.NUMPAD1)
+        wait_until(lambda: painted(page) == 0)
+        exam("")
+        wait_until(lambda: painted(page) > 0)
+    finally:
+        exam("")
+        robot.probe.publish(CONTACT, "telex_msgs/GripperContact")
+
+
 def aids_told(robot, topic):
     heard = robot.heard(topic)
     return json.loads(heard[-1]["data"])["aids"] if heard else {}

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
+
 import genpy
 import pytest
-from std_msgs.msg import Bool
+from std_msgs.msg import Bool, Float64, String
 from telex_msgs.msg import ActiveMalfunction, ComponentDoses, Malfunctions
 from training_truth import PERIOD, Trial, exercise, serialized
 
+from telex_training.command_lines.score import sheet_report
 from telex_training.judging.judge import Judge
 
 PAIR = """
@@ -28,6 +31,8 @@ metrics:
   second_contacts: {kind: contacts, robot: second, pass: 0}
 repetitions: {most: 2, least: 1}
 """
+
+LASERS = '<robot name="r"><link name="left_laser_link"/></robot>'
 
 
 class PairTrial(Trial):
@@ -108,6 +113,30 @@ def test_what_the_second_robot_commands_begins_it_and_what_it_touches_is_its_own
     fresh.other.contacts = []
     metrics = finish(fresh)["repetitions"][0]["metrics"]
     assert (metrics["contacts"], metrics["second_contacts"]) == (0.0, 1.0)
+
+
+def test_the_sheet_says_which_aids_each_operator_had(trial):
+    told = serialized(String(json.dumps({"view": "front", "aids": {"range": False}})))
+    trial.feed("second/console/telemetry", "std_msgs/String", told)
+    trial.seconds(1.0)
+    (aid,) = trial.judge.sheet()["aids"]
+    assert (aid["robot"], aid["name"], aid["training"]) == ("second", "range", False)
+    assert aid["seconds"] == pytest.approx(1.0, abs=0.05)
+    assert "aid on: range to what the tool points at, 1.0 s, robot second" in sheet_report(
+        trial.judge.sheet(), "t1", []
+    )
+    lit = serialized(Float64(1.0))
+    trial.feed("second/lamps/laser_left/command", "std_msgs/Float64", lit)
+    trial.feed("console/telemetry", "std_msgs/String", told)
+    trial.seconds(0.5)
+    found = [(aid.get("robot"), aid["name"]) for aid in trial.judge.sheet()["aids"]]
+    assert found == [(None, "range"), ("second", "range")]  # without lasers a switch is no aid
+    armed = PairTrial(exercise(PAIR))
+    armed.judge = Judge(armed.judge.exercise, urdfs={"second": LASERS})
+    armed.begin()
+    armed.feed("second/lamps/laser_left/command", "std_msgs/Float64", lit)
+    armed.seconds(0.5)
+    assert [aid["name"] for aid in armed.judge.sheet()["aids"]] == ["laser dots"]
 
 
 def test_a_fault_of_the_second_robot_goes_by_its_own_start(trial):

@@ -336,7 +336,9 @@ export class Aids {
     if (from === undefined) return null;
     const ahead = column(from.rotation, 0);
     const [left, right] = (this._contact.get(this._sources.paused())?.pads ?? []).map((/** @type {any} */ { link }) => poses.get(link)?.translation);
-    const across = left === undefined || right === undefined ? null : unit(plus(left, right, -1));
+    // Pads that nobody tells of move along the tool's y axis.
+    const told = left === undefined || right === undefined ? null : unit(plus(left, right, -1));
+    const across = told ?? (tool === undefined ? null : column(tool.rotation, 1));
     const beyond = tool === undefined ? 0 : plus(tool.translation, from.translation, -1).reduce((sum, part, index) => sum + part * ahead[index], 0);
     return { origin: from.translation, ahead, across, middle: tool?.translation ?? null, beyond };
   }

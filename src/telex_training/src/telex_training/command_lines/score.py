@@ -136,7 +136,8 @@ def _line(setting: Dict[str, Any]) -> str:
 def _aid(aid: Dict[str, Any]) -> str:
     """Say which aid was on, for how long, and what it was."""
     kind = "training aid" if aid["training"] else "aid"
-    return f"{kind} on: {aid['text']}, {aid['seconds']:.1f} s"
+    robot = f", robot {aid['robot']}" if "robot" in aid else ""
+    return f"{kind} on: {aid['text']}, {aid['seconds']:.1f} s{robot}"
 
 
 def sheet_report(sheet: Dict[str, Any], name: str, remarks: Sequence[str]) -> str:

@@ -111,7 +111,7 @@ class Judge:
             OtherRobot(robot.name, known, (urdfs or {}).get(robot.name, ""))
             for robot in exercise.robots
         ]
-        self._record.malfunctions_of = {each.name: each.malfunctions for each in self._others}
+        self._record.others = self._others
         self._context = Context(
             self._world, exercise.zones, others={each.name: each.world for each in self._others}
         )
@@ -267,7 +267,8 @@ class Judge:
         if not self._all_there():
             return
         self._record.trial_time += span
-        self._record.activity.aids.pass_time(span)
+        for activity in (self._record.activity, *(other.activity for other in self._others)):
+            activity.aids.pass_time(span)
         if self._record.phase == WAITING:
             if repetition.wait():
                 self._record.phase = RUNNING

@@ -10,6 +10,7 @@ from ..exercises.model import EXAM, Exercise
 from . import sheet as sheets
 from .activity import ActivityRecord
 from .malfunctions import MalfunctionRecord
+from .records.other_robot import OtherRobot
 from .repetition import Repetition
 from .validity import Continuity, LinkRecord, Pace
 
@@ -61,8 +62,8 @@ class TrialRecord:
         The first ten thousand.
     reasons : list of str
         Why it is not valid.
-    malfunctions_of : dict of str to MalfunctionRecord
-        Of further robots, by their names in the exercise.
+    others : list of OtherRobot
+        The further robots.
     trial_time : float
         In which repetitions waited and ran (s of sim time).
     """
@@ -80,7 +81,7 @@ class TrialRecord:
         self.link = LinkRecord()
         self.activity = ActivityRecord()
         self.malfunctions = MalfunctionRecord()
-        self.malfunctions_of: Dict[str, MalfunctionRecord] = {}
+        self.others: List[OtherRobot] = []
         self.events: List[JudgeEvent] = []
         self.reasons: List[str] = []
         self.marks: List[Dict[str, Any]] = []
@@ -163,7 +164,7 @@ class TrialRecord:
         return sheets.rounded(
             {
                 **link,
-                **self.activity.aids.sheet(),
+                **self._aids(),
                 "format": sheets.FORMAT,
                 "exercise": {
                     "name": exercise.name,
@@ -216,18 +217,26 @@ class TrialRecord:
             }
         )
 
+    def _aids(self) -> Dict[str, List[Dict[str, Any]]]:
+        """Return what the sheet says of the aids on each operator's page."""
+        found = self.activity.aids.sheet()
+        for other in self.others:
+            for name, aids in other.activity.aids.sheet(other.name).items():
+                found[name] = [*found.get(name, []), *aids]
+        return found
+
     def _announced(self) -> List[str]:
         others = (
-            f"{name}: {text}"
-            for name, record in self.malfunctions_of.items()
-            for text in record.announced()
+            f"{other.name}: {text}"
+            for other in self.others
+            for text in other.malfunctions.announced()
         )
         return [*self.malfunctions.announced(), *others]
 
     def _failed(self) -> List[Dict[str, Any]]:
         made = [each.sheet() for each in self.malfunctions.episodes]
-        for name, record in self.malfunctions_of.items():
-            made += [{**each.sheet(), "robot": name} for each in record.episodes]
+        for other in self.others:
+            made += [{**each.sheet(), "robot": other.name} for each in other.malfunctions.episodes]
         return sorted(made, key=lambda each: float(each["time"]))
 
     def _verdict(self, found: List[Dict[str, Any]], completed: int) -> str:

@@ -78,13 +78,21 @@ class AidRecord:
             known = self._seconds.setdefault(name, {})
             known[training] = known.get(training, 0.0) + span
 
-    def sheet(self) -> Dict[str, List[Dict[str, Any]]]:
-        """Return what the sheet says of it; nothing where no page told of aids."""
+    def sheet(self, robot: str = "") -> Dict[str, List[Dict[str, Any]]]:
+        """Return what the sheet says of it; nothing where no page told of aids.
+
+        Parameters
+        ----------
+        robot : str
+            Of a team's further robot, its name, which the sheet says as well.
+        """
         if not self._told:
             return {}
+        whose = {"robot": robot} if robot else {}
         return {
             FIELD: [
                 {
+                    **whose,
                     "name": name,
                     "text": WORDS.get(name, name),
                     "training": training,

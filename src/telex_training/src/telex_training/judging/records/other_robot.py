@@ -24,6 +24,7 @@ from ..entries import (
 from ..malfunctions import MalfunctionRecord
 from ..truth import Names, Sample, World
 from ..validity import Continuity, LinkRecord
+from .aids import LASER, LASER_LINK
 
 CHANNELS = (
     NAMES,
@@ -35,6 +36,7 @@ CHANNELS = (
     CLIENTS,
     TELEMETRY,
     LINK,
+    LASER,
     *COMMANDS,
     *STATUSES,
 )
@@ -72,6 +74,7 @@ class OtherRobot:
         self.continuity = Continuity()
         self.link = LinkRecord()
         self.malfunctions = MalfunctionRecord()
+        self._has_lasers = f'"{LASER_LINK}"' in urdf
 
     def hear(self, entry: Entry) -> List[str]:
         """Hear an entry that is not its truth, its line, nor what fails; returns events.
@@ -91,6 +94,10 @@ class OtherRobot:
             return []
         if channel == CLIENTS:
             activity.clients(entry)
+            return []
+        if channel == LASER:
+            if self._has_lasers:
+                activity.aids.switch_lasers(decode(entry, "std_msgs/Float64").data)
             return []
         if channel in COMMANDS:
             event = activity.command(entry)
