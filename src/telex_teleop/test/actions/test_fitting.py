@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from telex_teleop.actions.abilities import Abilities, MovedJoint, TrackFacts, abilities_of
+from telex_teleop.actions.abilities import Abilities, MovedJoint, abilities_of
+from telex_teleop.actions.drawing import drawing_of
 from telex_teleop.actions.fitting import fit
 from telex_teleop.actions.vocabulary import Vocabulary
 
@@ -137,11 +138,11 @@ class TestTelex:
     def test_the_page_knows_what_it_stands_on_and_its_tool(self):
         controllers = load(ROOT / "src/telex_control/config/telex_controllers.yaml")
         parameters = {**telex(), "track_controller": controllers["track_controller"]}
-        facts = robot_of(parameters).as_json()
         axles = [f"{e}_{s}_track_joint" for s in ("left", "right") for e in ("front", "rear")]
-        assert sorted(facts["tracks"].pop("axles")) == sorted(axles)
-        assert facts["tracks"] == {"radius": 0.11, "half_width": 0.2}
-        assert facts["tool"] == "tool_link"
+        assert drawing_of(parameters.get, "", pytest.fail) == {
+            "tracks": {"axles": axles, "radius": 0.11, "half_width": 0.2},
+            "tool": "tool_link",
+        }
 
     def test_a_variant_without_telescope_has_no_keys_for_it(self):
         answer = told(telex("six_axis"))
@@ -188,21 +189,29 @@ class TestRover:
         facts = robot_of(ROVER).as_json()
         assert facts["odometry"] == "wheel_controller/odom"
         assert facts["moves"] == {"arm": [], "gripper": [], "flipper": []}
-        assert (facts["tracks"], facts["tool"]) == (None, None)
+        assert drawing_of(ROVER.get, "", pytest.fail) == {}
 
     def test_the_description_tells_of_its_wheels_what_their_controller_does_not(self):
         left, right = (
             [f"{end}_{side}_wheel_joint" for end in ("front", "rear")] for side in ("left", "right")
         )
         controller = {"left_wheel": left, "right_wheel": right}
-        known = robot_of({**ROVER, "wheel_controller": controller}).tracks
-        assert known == TrackFacts((*left, *right), 0.16, 0.29)
+        joints = [*left, *right]
+
+        def tracks(controller, warn=pytest.fail):
+            found = drawing_of({**ROVER, "wheel_controller": controller}.get, "", warn)
+            return found.get("tracks")
+
+        wheels = {"axles": joints, "radius": 0.16, "half_width": 0.29}
+        assert tracks(controller) == wheels
         told = {**controller, "wheel_radius": 0.15, "wheel_separation": 0.5}
-        assert robot_of({**ROVER, "wheel_controller": told}).tracks == TrackFacts(
-            (*left, *right), 0.15, 0.25
-        )
-        for wrong in ("wheels", {**controller, "left_wheel": "none_joint"}, {"left_wheel": []}):
-            assert robot_of({**ROVER, "wheel_controller": wrong}).tracks is None
+        assert tracks(told) == {"axles": joints, "radius": 0.15, "half_width": 0.25}
+        assert tracks({**told, "wheel_radius": float("nan")})["radius"] == 0.16
+        for wrong in ("wheels", {"left_wheel": [], "right_wheel": right}):
+            assert tracks(wrong) is None
+        problems = []
+        assert tracks({**controller, "left_wheel": "none_joint"}, problems.append) is None
+        assert problems == ["no guide lines: robot_description has no wheel joint 'none_joint'"]
 
 
 class TestArmOnAFixedBase:

@@ -7,7 +7,6 @@ would leave out is left out here.
 from __future__ import annotations
 
 import json
-import math
 from dataclasses import asdict, dataclass, field
 from functools import lru_cache
 from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Tuple, Type, TypeVar
@@ -18,7 +17,6 @@ from telex_control.common.params import ConfigError, read_config
 from telex_control.kinematics import Chain
 from telex_control.kinematics.urdf_tree import UrdfTree
 from telex_control.urdf.joints import PRISMATIC, UrdfError, parse_urdf
-from telex_control.urdf.wheel_geometry import wheel_radius, wheel_separation
 from telex_teleop.arm.arm_settings import ArmTeleopSettings, carrier_of
 from telex_teleop.flippers.flipper_settings import FlipperTeleopSettings
 from telex_teleop.joints.joint_settings import (
@@ -49,9 +47,6 @@ _PARAMETERS = (
         for name in ("model", "proximity/joints", "tracks/belts")
     ),
 )
-
-_CONTROLLER = "controller"
-"""Of what was given, the parameters of the controller that drives the base."""
 
 MOST_HEAD_JOINTS = 2
 """Joints of a camera's head, pan and tilt; an arm without a known tool has more."""
@@ -100,25 +95,6 @@ class GripperFacts:
 
 
 @dataclass(frozen=True)
-class TrackFacts:
-    """Where the tracks or wheels are by which a robot stands.
-
-    Attributes
-    ----------
-    axles
-        Joints that turn them.
-    radius
-        Of the belt over its drive wheel, or of a wheel (m).
-    half_width
-        Half the width over both sides (m).
-    """
-
-    axles: Tuple[str, ...]
-    radius: float
-    half_width: float
-
-
-@dataclass(frozen=True)
 class Abilities:
     """What an operator can do with a robot.
 
@@ -136,12 +112,8 @@ class Abilities:
         None: there is none.
     odometry
         Topic that tells how the base drives; empty: it cannot drive.
-    tracks
-        None: it has none, or nothing says where they are.
     tool
         Whether the arm can be led by its tool.
-    tool_frame
-        Link that is its tool; empty: there is none.
     guard
         Whether something tells what the arm is near to.
     attitude
@@ -164,9 +136,7 @@ class Abilities:
     flippers: Tuple[MovedJoint, ...] = ()
     gripper: Optional[GripperFacts] = None
     odometry: str = ""
-    tracks: Optional[TrackFacts] = None
     tool: bool = False
-    tool_frame: str = ""
     guard: bool = False
     attitude: bool = False
     poses: Tuple[str, ...] = ()
@@ -200,8 +170,6 @@ class Abilities:
             "sides": self.sides(),
             "gripper": None if self.gripper is None else asdict(self.gripper),
             "odometry": self.odometry or None,
-            "tracks": None if self.tracks is None else asdict(self.tracks),
-            "tool": self.tool_frame or None,
         }
 
 
@@ -220,10 +188,6 @@ def abilities_of(
         Told of a node whose parameters are wrong: it cannot start, and so moves nothing.
     """
     given = {name: parameter(f"{prefix}{name}") for name in _PARAMETERS}
-    tracks = given["track_teleop"]
-    if isinstance(tracks, dict):
-        controller = tracks.get("controller", TrackSettings.controller)
-        given[_CONTROLLER] = parameter(f"{prefix}{controller}")
     if not isinstance(given["robot_description"], str):
         return None
     if not any(isinstance(given[f"{node}_teleop"], dict) for node in NODES):
@@ -243,18 +207,6 @@ def _read(given: str) -> Tuple[Optional[Abilities], Tuple[str, ...]]:
     except UrdfError as error:
         return None, (f"robot_description: {error}",)
     return abilities, tuple(problems)
-
-
-def _names(told: object) -> List[str]:
-    names = told if isinstance(told, list) else [told]
-    return [name for name in names if isinstance(name, str)]
-
-
-def _length(told: object) -> Optional[float]:
-    """Return a length that is one (m)."""
-    if isinstance(told, (int, float)) and math.isfinite(told) and told > 0.0:
-        return float(told)
-    return None
 
 
 def _zooms(most: object) -> bool:
@@ -286,7 +238,6 @@ class _Reader:
             flippers=flippers,
             gripper=gripper,
             odometry="" if track is None else f"{track.controller}/odom",
-            tracks=None if track is None else self._tracks(),
             guard=bool(arm["arm"]) and self._is_told("proximity/joints"),
             attitude=self._is_told("tracks/belts"),
             presets=presets,
@@ -334,30 +285,8 @@ class _Reader:
             "arm": self._moved(name for name in axes if name not in head),
             "head": self._moved(head),
             "tool": chain is not None,
-            "tool_frame": settings.frames.tool if settings.frames.tool in self._links else "",
             "poses": tuple(carrier.poses),
         }
-
-    def _tracks(self) -> Optional[TrackFacts]:
-        """Return where tracks or wheels are, by their controller's parameters or else the URDF."""
-        told = self._given[_CONTROLLER]
-        if not isinstance(told, dict):
-            return None
-        sides = [_names(told.get(name)) for name in ("left_wheel", "right_wheel")]
-        if not all(sides) or any(name not in self._above for side in sides for name in side):
-            return None
-        left, right = sides
-        braking = told.get("braking")
-        half = _length(braking.get("half_width")) if isinstance(braking, dict) else None
-        apart, radius = _length(told.get("wheel_separation")), _length(told.get("wheel_radius"))
-        try:
-            if half is None:
-                half = 0.5 * (apart or wheel_separation(self._robot, left[0], right[0]))
-            radius = radius or wheel_radius(self._robot, left[0])
-        except UrdfError as error:
-            self._warn(f"no guide lines: {error}")
-            return None
-        return TrackFacts((*left, *right), radius, half)
 
     def _flippers(self) -> Tuple[Tuple[MovedJoint, ...], Tuple[str, ...]]:
         settings, axes = self._axes("flipper", FlipperTeleopSettings)

@@ -23,6 +23,7 @@ from urllib.parse import urlsplit, urlunsplit
 from aiohttp import web
 
 from ...actions.abilities import Abilities, abilities_of
+from ...actions.drawing import drawing_of
 from ..exam.exam_list import Exam
 from ..line.line import Line
 from ..map_documents import add_maps
@@ -422,6 +423,7 @@ class VideoServer:
         for part in ("equipment", "training_aids"):
             found = await self._parameter(f"{prefix}{part}")
             robot[part] = found if isinstance(found, dict) else {}
+        robot.update(await self._ask(lambda: drawing_of(self._graph.parameter, prefix, self._warn)))
         if abilities is not None:
             robot.update(abilities.as_json())
         return web.json_response(robot, headers={"Access-Control-Allow-Origin": "*"})
