@@ -56,6 +56,13 @@ def test_things_are_drawn_where_they_have_come_to_rest(subject):
     assert rows.mean() == pytest.approx(59.5, abs=4)
 
 
+def test_its_numbers_are_those_that_the_cameras_node_gets(subject):
+    # What is prepared with other ones, it does not find.
+    light = subject.scene.daylight
+    for number in (*light.sun, *light.fog, *(c for v in subject.scene.visuals for c in v.color)):
+        assert number == np.float32(number)
+
+
 def test_oversampling_smooths_and_changes_nothing_else(subject):
     camera = PinholeCamera(160, 120, 0.6, 0.05, 100.0)
     view = looking((0.0, -2.0, 1.0), (0.5, 0.0, 0.3))

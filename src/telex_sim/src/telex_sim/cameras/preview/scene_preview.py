@@ -32,7 +32,7 @@ from ..drawing.light.daylight import Lighting
 from ..drawing.meshes.batching import bounding_radius
 from ..drawing.quality import STILL, TIERS, Quality
 from ..optics.pinhole import PinholeCamera
-from ..ros.messages import frames_from_message, scene_from_message
+from ..ros.messages import as_received, frames_from_message, scene_from_message
 from .still import Still, looking
 
 # Nothing in a scene is further than this from what is looked at and still casts a shadow (m).
@@ -152,7 +152,8 @@ def settled(
         for robot in simulation.robots[1:]:
             messages.add_robot(robot.model, robot.body.link_names(), urdf_visuals(urdf))
         messages.show(simulation.objects.objects())
-        scene, problems = scene_from_message(messages.description(Time()))
+        # As the cameras' node gets it, whose pictures this prepares.
+        scene, problems = scene_from_message(as_received(messages.description(Time())))
         frames = frames_from_message(
             messages.poses(Time(), simulation.link_poses()), len(scene.frames)
         )

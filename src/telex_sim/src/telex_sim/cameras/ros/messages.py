@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import sys
 from typing import Callable, Iterator, List, Optional, Sequence, Tuple, TypeVar
 
@@ -28,6 +29,16 @@ _MOST_MOVES = 4.0
 
 Message = TypeVar("Message")
 Thing = TypeVar("Thing")
+
+
+def as_received(message: SceneDescription) -> SceneDescription:
+    """Return a scene as those get it who subscribe to it: some numbers in single precision.
+
+    Content that is kept, and compiled shaders, are found again for equal numbers only.
+    """
+    buffer = io.BytesIO()
+    message.serialize(buffer)
+    return SceneDescription().deserialize(buffer.getvalue())
 
 
 def scene_from_message(message: SceneDescription) -> Tuple[VisualScene, List[str]]:
