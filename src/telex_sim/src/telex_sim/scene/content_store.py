@@ -13,6 +13,7 @@ import functools
 import hashlib
 import importlib.util
 import json
+import operator
 import os
 import re
 import sys
@@ -199,14 +200,25 @@ def _parts(value: Any) -> Iterator[bytes]:
         for item in value:
             yield from _parts(item)
     elif is_dataclass(value):
-        named = [getattr(value, each.name) for each in fields(value)]
-        if any(isinstance(item, np.ndarray) for item in named):
-            yield f"{type(value).__name__} ".encode()
-            yield from _parts(named)
+        head, read = _fields(type(value))
+        items = read(value)
+        yield head
+        if any(isinstance(item, np.ndarray) for item in items):
+            yield from _parts(items)
         else:  # plain ones; many of them, so that haste matters
-            yield f"{value!r} ".encode()
+            yield f"{items!r} ".encode()
     else:
         yield f"{value!r} ".encode()
+
+
+@functools.lru_cache(maxsize=None)
+def _fields(kind: type) -> Tuple[bytes, Callable[[Any], Tuple[Any, ...]]]:
+    """Name of a dataclass with those of its fields, and what reads them all."""
+    names = [each.name for each in fields(kind)]
+    head = f"{kind.__name__} {names} ".encode()
+    if len(names) > 1:
+        return head, operator.attrgetter(*names)
+    return head, lambda value: tuple(getattr(value, name) for name in names)
 
 
 def _plain(result: Any) -> Any:

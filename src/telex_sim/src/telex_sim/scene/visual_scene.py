@@ -24,8 +24,8 @@ class VisualShape(enum.IntEnum):
     PLANE = 5
 
 
-# Name of the frame that never moves.
-_WORLD = "world"
+WORLD = "world"
+"""Name of the frame that never moves."""
 
 # From this height on (m), what is thinner than this share of it throws no shadow: of the sun's
 # disc, which is 0.009 rad wide, it hides only a part.
@@ -127,7 +127,7 @@ class Visual:
         """
         if self.shape is VisualShape.PLANE or self.color[3] < 0.5:
             return False
-        height = self.position[2] if self.frame == _WORLD else 0.0
+        height = self.position[2] if self.frame == WORLD else 0.0
         return height < _HIGH or self._thickness > _THIN_SHARE * height
 
     @property

@@ -17,7 +17,7 @@ from telex_control.common.geometry.matrices import pose_matrices
 
 from ....scene.meshes.meshes import Mesh, primitive_mesh
 from ....scene.meshes.texture_mapping import box_mapped
-from ....scene.visual_scene import Visual, VisualShape
+from ....scene.visual_scene import WORLD, Visual, VisualShape
 
 # What is fixed to one frame is drawn in pieces of about this size (m): what a view cannot see of a
 # hall is then left out, and the near hides the far.
@@ -92,11 +92,11 @@ class Batch:
 
     @cached_property
     def content(self) -> Tuple[Visual, ...]:
-        """What tells its mesh from others: the same for frames with the same visuals.
+        """What tells its mesh from others: the same for frames that move with the same visuals.
 
         Belts run each on its own.
         """
-        if self.drive:
+        if self.drive or self.frame == WORLD:
             return self.visuals
         return tuple(replace(visual, frame="") for visual in self.visuals)
 

@@ -25,6 +25,9 @@ _ATTRIBUTES = (
 # fewer triangles is not worth it.
 _COARSE_DETAIL, _COARSE_FROM = 0.01, 100
 
+# What has fewer triangles throws its shadow as it is: to look a simpler shape up takes longer.
+_SIMPLIFIED_FROM = 200
+
 
 class GpuMesh:
     """A mesh, ready to be drawn by any of the programs.
@@ -60,7 +63,9 @@ class GpuMesh:
         self._vertices = context.buffer(vertices.tobytes())
         self._triangles = context.buffer(np.ascontiguousarray(triangles).tobytes())
         positions = vertices["position"]
-        outline = store.get(simplified, positions, triangles, shadow_detail)
+        outline = positions, triangles
+        if len(triangles) >= _SIMPLIFIED_FROM:
+            outline = store.get(simplified, positions, triangles, shadow_detail)
         self._outline = tuple(context.buffer(np.ascontiguousarray(part)) for part in outline)
         self._arrays: Dict[moderngl.Program, moderngl.VertexArray] = {}
         self.center = 0.5 * (positions.min(axis=0) + positions.max(axis=0)).astype(np.float64)

@@ -16,14 +16,11 @@ from ....scene.meshes.mesh_files import MeshFileError, MeshPart, load_mesh, load
 from ....scene.meshes.meshes import Mesh
 from ....scene.textures.picture_files import TextureFileError, load_texture
 from ....scene.textures.procedural import TextureNameError, generate_texture, is_generated
-from ....scene.visual_scene import Visual, VisualScene, VisualShape
+from ....scene.visual_scene import WORLD, Visual, VisualScene, VisualShape
 from ..programs import PICTURE_UNIT, LitProgram
 from .batching import Batch, batches, bounding_radius, merge_visuals
 from .gpu_mesh import BeltMesh, GpuMesh
 from .renewed_cache import RenewedCache
-
-# Name of the frame that never moves.
-_WORLD = "world"
 
 
 @dataclass(frozen=True)
@@ -173,8 +170,8 @@ class GpuScene:
         for box, item in zip(self.boxes, self.drawables):
             np.fill_diagonal(box[:3, :3], item.mesh.half)
         self.casts_shadow = np.array([batch.casts_shadow for _, batch in items], dtype=bool)
-        self.fixed = np.array([batch.frame == _WORLD for _, batch in items], dtype=bool)
-        self.covered = [batch.frame == _WORLD and batch.carries for _, batch in items]
+        self.fixed = np.array([batch.frame == WORLD for _, batch in items], dtype=bool)
+        self.covered = [batch.frame == WORLD and batch.carries for _, batch in items]
         self.transparent = np.array([batch.opacity < 1.0 for _, batch in items], dtype=bool)
 
     def _is_drawable(self, visual: Visual, problems: Set[str]) -> bool:
@@ -226,7 +223,7 @@ class GpuScene:
         return float(np.linalg.norm(reach * visual.size))
 
     def _mesh(self, batch: Batch, problems: Set[str]) -> GpuMesh:
-        worn = batch.frame != _WORLD
+        worn = batch.frame != WORLD
         files = tuple(
             _last_change(self._path(visual))
             for visual in batch.visuals

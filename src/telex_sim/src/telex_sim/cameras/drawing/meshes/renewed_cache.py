@@ -28,10 +28,13 @@ class RenewedCache(Generic[Value]):
         self._old, self._new = self._new, {}
 
     def get(self, key: Hashable, make: Callable[[], Value]) -> Value:
-        """Find the value of a key in this version or the one before, or make it."""
-        if key not in self._new:
-            self._new[key] = self._old[key] if key in self._old else make()
-        return self._new[key]
+        """Find the value of a key in this version or the one before, or make it; never None."""
+        # Keys may be long, and each look takes their hash.
+        value = self._new.get(key)
+        if value is None:
+            value = self._old.get(key)
+            self._new[key] = value = make() if value is None else value
+        return value
 
     def end(self) -> None:
         """Forget what this version did not ask for."""
