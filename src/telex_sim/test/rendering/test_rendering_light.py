@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from telex_sim.cameras.cameras_config import CameraConfig
-from telex_sim.cameras.drawing import shaders
+from telex_sim.cameras.drawing import programs, shaders
 from telex_sim.cameras.drawing.light.daylight import Lighting
 from telex_sim.cameras.drawing.light.lamps import LampRig
 from telex_sim.cameras.drawing.quality import TIERS
@@ -198,6 +198,39 @@ class TestLamps:
     def test_many_lamps_are_no_trouble(self, studio):
         lamps = [head_lamp(intensity=0.1) for _ in range(40)]
         assert studio.shoot(WALL, lamps=lamps)[120, 160].min() > 0
+
+    def test_one_program_draws_the_first_picture_whatever_lamps_reach_what(self, monkeypatch):
+        compiled = []
+
+        class Counted(programs.LitProgram):
+            def __init__(self, context, variant, *others):
+                compiled.append(variant)
+                super().__init__(context, variant, *others)
+
+        monkeypatch.setattr(programs, "LitProgram", Counted)
+        studio = Studio()
+        # Boxes side by side, with the light of no lamp, of one, and of three.
+        boxes = [
+            Visual("world", VisualShape.BOX, (0.2, 0.7, 3.0), (6.0, y, 0.0), color=WHITE)
+            for y in (-4.5, -1.5, 1.5)
+        ]
+        lamps = [
+            head_lamp(position=(3.0, y, 0.0), angle=0.4, reach=5.0) for y in (-1.5, 1.5, 1.4, 1.3)
+        ]
+        first = studio.shoot(*boxes, lamps=lamps)
+        assert [variant.lamps for variant in compiled] == [3]
+        while True:
+            seen = len(compiled)
+            exposed = studio.still.picture(CAMERA, looking(EYE, AHEAD), np.eye(4)[None], EYE, 0.5)
+            if len(compiled) == seen:
+                break
+        assert exposed.max() < first.max()
+        # By now each number of lamps has a program of its own, and all looks the same.
+        assert sorted(variant.lamps for variant in compiled) == [0, 1, 2, 3, 4]
+        last = studio.again()
+        assert np.abs(last - first).max() <= 1
+        assert np.ptp(first[..., 1]) > 100
+        studio.still.release()
 
     def test_surfaces_that_no_lamp_reaches_look_as_without_lamps(self, studio):
         day = Daylight()

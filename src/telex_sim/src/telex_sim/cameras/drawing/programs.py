@@ -28,6 +28,11 @@ class LitProgram:
 
     The uniforms that change with every surface are attributes, because looking them up by name
     would take longer than writing them.
+
+    Attributes
+    ----------
+    has_drawn
+        Whether it has drawn anything; drivers compile it when it first does.
     """
 
     def __init__(
@@ -42,6 +47,7 @@ class LitProgram:
         self.program: Any = _compile(context, source)
         self.world_from_model: Any = self.program["world_from_model"]
         self.opacity: Any = self.program["opacity"]
+        self.has_drawn = False
         if variant.textured:
             self.program["picture"] = PICTURE_UNIT
         if variant.cover:
@@ -77,6 +83,10 @@ class LitPrograms:
                 self._context, variant, *self._lookups, self._constants
             )
         return self._programs[variant]
+
+    def has_drawn(self, variant: LitVariant) -> bool:
+        """Whether the program of a variant is there, and has drawn before."""
+        return variant in self._programs and self._programs[variant].has_drawn
 
 
 class SkyProgram:

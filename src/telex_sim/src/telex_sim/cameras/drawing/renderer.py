@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from dataclasses import replace
-from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import moderngl
 import numpy as np
@@ -106,7 +106,10 @@ class Renderer:
         self._dots = LaserDots(context)
         self._spots = Spots(context)
         self._targets: OrderedDict[Tuple[int, int], FrameTarget] = OrderedDict()
-        self._warm: Set[LitProgram] = set()
+        # Of what surfaces there are something to draw with, by their kind.
+        self._samples: Dict[int, Drawable] = {}
+        # Variants of programs by the number of lamps that they have room for, then by kind.
+        self._rooms: Dict[int, Tuple[LitVariant, ...]] = {}
         self._cold: List[Tuple[LitVariant, Drawable]] = []
         self._shown = False
         self._model = np.zeros((0, 4, 4))
@@ -132,25 +135,18 @@ class Renderer:
         """
         self._take_light(scene)
         problems = self._scene.load(scene)
-        self._cold = self._needed_programs(len(self._lamps))
-        self._shown = False
-        return problems
-
-    def _needed_programs(self, lamps: int) -> List[Tuple[LitVariant, Drawable]]:
-        """List the programs that the scene can need, each with something that it can draw."""
-        rooms = [0]
-        while rooms[-1] < _room_for(lamps, self._quality.lamps):
-            rooms.append(_room_for(rooms[-1] + 1, self._quality.lamps))
         # Any surface does, but what its texture is like matters.
-        samples = {
+        self._samples = {
             _kind(drawable.texture is not None, covered): drawable
             for drawable, covered in zip(self._scene.drawables, self._scene.covered)
         }
-        return [
-            (self._variants(room)[kind], drawable)
-            for room in rooms
-            for kind, drawable in samples.items()
+        self._cold = [
+            (variants[kind], drawable)
+            for variants in self._rooms.values()
+            for kind, drawable in self._samples.items()
         ]
+        self._shown = False
+        return problems
 
     def _variants(self, room: int) -> Tuple[LitVariant, ...]:
         """Return the programs' variants with room for so many lamps, by `_kind`.
@@ -164,21 +160,41 @@ class Renderer:
             for textured in (False, True)
         )
 
+    def _room_for(self, lamps: int, most: int) -> int:
+        """Choose a number of lamps that programs have room for.
+
+        Parameters
+        ----------
+        lamps
+            That light a surface.
+        most
+            That light any surface of the picture: while smaller programs are still to be compiled,
+            one for so many draws all.
+        """
+        last = next(room for room in self._rooms if room >= most)
+        return next(
+            room
+            for room, variants in self._rooms.items()
+            if room == last
+            or (
+                lamps <= room
+                and all(self._programs.has_drawn(variants[kind]) for kind in self._samples)
+            )
+        )
+
     def _warm_up(self) -> None:
         """Use the next program once that has not been used yet.
 
         Drivers compile a program when it first draws; many at once would interrupt the pictures.
         """
         while self._cold:
-            variant, drawable = self._cold.pop()
-            program = self._programs.get(variant)
-            if program in self._warm:
+            variant, drawable = self._cold.pop(0)
+            if self._programs.has_drawn(variant):
                 continue
-            self._warm.add(program)
             self._begin_pass()
             self._target(1, 1).begin()
             self._use_maps()
-            drawable.draw(program)
+            drawable.draw(self._programs.get(variant))
             return
 
     def _take_light(self, scene: VisualScene) -> None:
@@ -202,6 +218,9 @@ class Renderer:
         self._sky = self._skies[self._base.fog]
         shining = [lamp for lamp in scene.lamps if not lamp.beam]
         self._lamps = LampRig(shining, scene.frames, self._lighting.sun)
+        self._rooms = {
+            room: self._variants(room) for room in _rooms(len(self._lamps), self._quality.lamps)
+        }
         beams = [lamp for lamp in scene.lamps if lamp.beam]
         self._dots.load(LampRig(beams, scene.frames, self._lighting.sun))
         light = light_uniforms(self._lighting, daylight)
@@ -455,14 +474,16 @@ class Renderer:
         else:
             masks, mask_of = np.zeros((1, 0), dtype=bool), np.zeros(len(numbers), dtype=np.intp)
         groups = []
-        for mask in masks:
-            room = _room_for(int(mask.sum()), self._quality.lamps)
+        counts = masks.sum(axis=1)
+        most = int(counts.max(initial=0))
+        for mask, count in zip(masks, counts.tolist()):
+            room = self._room_for(count, most)
             lamps = chosen.numbers[mask]
             values: Dict[str, np.ndarray] = {}
             if room:
                 values.update(self._lamps.uniforms(lamps, chosen.levels[mask], room))
                 values.update(self._lamp_shadows.uniforms(self._lamps, lamps, room))
-            groups.append(_LampGroup(self._variants(room), values))
+            groups.append(_LampGroup(self._rooms[room], values))
         group_of = dict(zip(numbers.tolist(), mask_of.reshape(-1).tolist()))
         return _Drawing(self._scene, self._model, self._programs, uniforms, groups, group_of)
 
@@ -535,8 +556,8 @@ def _kind(textured: bool, covered: bool) -> int:
     return 2 * covered + textured
 
 
-def _room_for(lamps: int, most: int) -> int:
-    """Round a number of lamps up, so that only a few variants have to be compiled."""
-    if not lamps:
-        return 0
-    return next((room for room in (1, 2, 3, 4, 6, 8) if lamps <= room <= most), most)
+def _rooms(lamps: int, most: int) -> List[int]:
+    """Numbers of lamps that there are programs for: only a few, because each has to be compiled."""
+    rooms = sorted({room for room in (0, 1, 2, 3, 4, 6, 8) if room < most} | {most})
+    enough = next((room for room in rooms if room >= lamps), most)
+    return [room for room in rooms if room <= enough]

@@ -39,6 +39,7 @@ class Drawable:
         mesh = self.mesh
         array = mesh.coarse_array if coarse else mesh.array
         array(program.program).render()
+        program.has_drawn = True
 
 
 class GpuScene:
