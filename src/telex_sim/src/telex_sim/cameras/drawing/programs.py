@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, Mapping, Tuple
+from typing import Any, Dict, Mapping, Optional, Tuple
 
 import moderngl
 import numpy as np
@@ -33,6 +33,8 @@ class LitProgram:
     ----------
     has_drawn
         Whether it has drawn anything; drivers compile it when it first does.
+    frame
+        Number of the frame whose pose it has as ``world_from_model``; None: of no known one.
     """
 
     def __init__(
@@ -48,6 +50,7 @@ class LitProgram:
         self.world_from_model: Any = self.program["world_from_model"]
         self.opacity: Any = self.program["opacity"]
         self.has_drawn = False
+        self.frame: Optional[int] = None
         if variant.textured:
             self.program["picture"] = PICTURE_UNIT
         if variant.cover:

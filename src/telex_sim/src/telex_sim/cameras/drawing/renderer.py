@@ -529,11 +529,15 @@ class _Drawing:
     def draw(self, numbers: np.ndarray, coarse: bool) -> None:
         """Draw surfaces in the given order."""
         matrices = column_major(self._model[numbers])
-        for number, matrix in zip(numbers.tolist(), matrices):
+        frames = self._scene.frames[numbers].tolist()
+        for number, frame, matrix in zip(numbers.tolist(), frames, matrices):
             drawable = self._scene.drawables[number]
             kind = _kind(drawable.texture is not None, self._scene.covered[number])
             program = self._program(self._group_of[number], kind)
-            program.world_from_model.write(matrix.tobytes())
+            # Most stand fast, in the same frame.
+            if program.frame != frame:
+                program.frame = frame
+                program.world_from_model.write(matrix.tobytes())
             drawable.draw(program, coarse)
 
     def _program(self, number: int, kind: int) -> LitProgram:
@@ -544,6 +548,7 @@ class _Drawing:
         program = self._programs.get(variant)
         if variant not in self._current:
             program.set(self._uniforms)
+            program.frame = None
         if self._current.get(variant) != number:
             program.set(group.uniforms)
             self._current[variant] = number
