@@ -6,6 +6,7 @@ import pytest
 from telex_control.common.geometry.matrices import pose_matrices
 from telex_sim.cameras.drawing.culling import (
     Cones,
+    boxes_in_view,
     cones_in_view,
     spheres_in_cones,
     spheres_in_view,
@@ -43,6 +44,30 @@ class TestPinholeCamera:
 
 
 class TestCulling:
+    def test_drops_what_a_camera_stands_at_and_looks_away_from(self):
+        # A flat body, whose sphere the camera is in; turned about, it reaches into the view.
+        centers, halves = np.tile((0.0, 0.0, -0.2), (2, 1)), np.tile((0.5, 0.5, 0.15), (2, 1))
+        axes = np.stack([np.eye(3), np.eye(3)[[2, 1, 0]]])
+        clip = CAMERA.clip_from_optical()
+        assert spheres_in_view(clip, centers, np.linalg.norm(halves, axis=1)).all()
+        assert boxes_in_view(clip, centers, axes, halves).tolist() == [False, True]
+
+    def test_keeps_every_box_of_which_something_is_in_the_view(self):
+        generator = np.random.default_rng(3)
+        poses = np.column_stack(
+            [generator.uniform(-4.0, 4.0, (400, 3)), generator.normal(size=(400, 4))]
+        )
+        poses[:, 3:] /= np.linalg.norm(poses[:, 3:], axis=1, keepdims=True)
+        boxes, halves = pose_matrices(poses), generator.uniform(0.01, 1.0, (400, 3))
+        inside = generator.uniform(-1.0, 1.0, (400, 300, 3)) * halves[:, None]
+        points = np.einsum("nij,npj->npi", boxes[:, :3, :3], inside) + boxes[:, None, :3, 3]
+        clip = CAMERA.clip_from_optical()
+        at = points @ clip[:, :3].T + clip[:, 3]
+        visible = (np.abs(at[..., :3]) <= at[..., 3:]).all(axis=2).any(axis=1)
+        kept = boxes_in_view(clip, boxes[:, :3, 3], boxes[:, :3, :3], halves)
+        assert kept[visible].all()
+        assert visible.sum() < kept.sum() < 200
+
     def test_keeps_what_touches_the_view_and_drops_the_rest(self):
         edge = math.tan(0.6)
         centers = np.array(

@@ -1,4 +1,4 @@
-"""Culling by bounding spheres, against views and cones of lamps."""
+"""Culling by bounding spheres and boxes, against views and cones of lamps."""
 
 from __future__ import annotations
 
@@ -56,6 +56,28 @@ def spheres_in_view(
     planes = _view_planes(clip_from_world)
     distances = centers @ planes[:, :3].T + planes[:, 3]
     return (distances > -radii[:, None]).all(axis=1)
+
+
+def boxes_in_view(
+    clip_from_world: np.ndarray, centers: np.ndarray, axes: np.ndarray, halves: np.ndarray
+) -> np.ndarray:
+    """Which boxes touch the view's volume; as for `spheres_in_view`.
+
+    Parameters
+    ----------
+    clip_from_world
+        Shape (4, 4).
+    centers
+        In the world (m), shape (N, 3).
+    axes
+        Of the boxes in the world, by columns, shape (N, 3, 3).
+    halves
+        From the centres to the sides, along these axes (m), shape (N, 3).
+    """
+    planes = _view_planes(clip_from_world)
+    along = np.abs(np.einsum("pi,nij->npj", planes[:, :3], axes))
+    distances = centers @ planes[:, :3].T + planes[:, 3]
+    return (distances > -np.einsum("npj,nj->np", along, halves)).all(axis=1)
 
 
 def cones_in_view(clip_from_world: np.ndarray, cones: Cones) -> np.ndarray:

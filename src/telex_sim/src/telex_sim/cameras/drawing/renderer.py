@@ -15,7 +15,7 @@ from ...scene.addresses import PackagePath
 from ...scene.content_store import ContentStore
 from ...scene.visual_scene import Daylight, VisualScene
 from ..optics.pinhole import PinholeCamera
-from .culling import spheres_in_view, spheres_in_world
+from .culling import boxes_in_view, spheres_in_view, spheres_in_world
 from .frame_target import FrameTarget
 from .kept_pictures import KeptPictures
 from .light.daylight import Lighting, light_uniforms
@@ -438,6 +438,9 @@ class Renderer:
         """
         scene = self._scene
         seen = np.flatnonzero(spheres_in_view(clip_from_world, self._centers, scene.radii))
+        # A camera is within the sphere of what it is fixed to, and sees nothing of most of it.
+        axes, halves = self._model[seen, :3, :3], scene.halves[seen]
+        seen = seen[boxes_in_view(clip_from_world, self._centers[seen], axes, halves)]
         distances = np.linalg.norm(self._centers[seen] - eye, axis=1)
         radii = scene.radii[seen]
         # A sphere around the eye says nothing of where its surface is, only that what is as large

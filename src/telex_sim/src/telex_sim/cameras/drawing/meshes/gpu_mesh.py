@@ -45,7 +45,11 @@ class GpuMesh:
         Bounding sphere in the frame that it is fixed to (m).
     half
         From its centre to the sides of the box around it, along the frame's axes (m).
+    beyond
+        How far it may come to reach beyond this box (m).
     """
+
+    beyond = 0.0
 
     def __init__(
         self,
@@ -148,6 +152,9 @@ class BeltMesh(GpuMesh):
     ValueError
         When the mesh cannot be a belt.
     """
+
+    # Its cleats come to stand where none stands at rest.
+    beyond = 0.01
 
     def __init__(
         self,

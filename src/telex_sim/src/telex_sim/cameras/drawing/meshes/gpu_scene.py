@@ -64,6 +64,9 @@ class GpuScene:
         Number of the frame that each is fixed to, shape (N,).
     centers, radii
         Bounding spheres in their frames (m), shapes (N, 3) and (N,).
+    halves
+        From these centres to the sides of boxes that they never leave, along the frames' axes (m),
+        shape (N, 3).
     boxes
         Their frames from a cube of side 2 that is stretched around each, shape (N, 4, 4).
     casts_shadow, transparent, fixed
@@ -166,10 +169,12 @@ class GpuScene:
         self.frames = np.array(frames, dtype=np.intp)
         self.centers = np.array([item.mesh.center for item in self.drawables]).reshape(-1, 3)
         self.radii = np.array([item.mesh.radius for item in self.drawables])
+        meshes = [item.mesh for item in self.drawables]
+        halves = np.array([mesh.half for mesh in meshes]).reshape(-1, 3)
+        self.halves = halves + np.array([mesh.beyond for mesh in meshes])[:, None]
         self.boxes = np.tile(np.eye(4), (len(items), 1, 1))
         self.boxes[:, :3, 3] = self.centers
-        for box, item in zip(self.boxes, self.drawables):
-            np.fill_diagonal(box[:3, :3], item.mesh.half)
+        self.boxes[:, range(3), range(3)] = halves
         self.casts_shadow = np.array([batch.casts_shadow for _, batch in items], dtype=bool)
         self.fixed = np.array([batch.frame == WORLD for _, batch in items], dtype=bool)
         self.covered = [batch.frame == WORLD and batch.carries for _, batch in items]
