@@ -202,11 +202,11 @@ def _parts(value: Any) -> Iterator[bytes]:
     elif is_dataclass(value):
         head, read = _fields(type(value))
         items = read(value)
-        yield head
-        if any(isinstance(item, np.ndarray) for item in items):
+        if np.ndarray in map(type, items):
+            yield head
             yield from _parts(items)
         else:  # plain ones; many of them, so that haste matters
-            yield f"{items!r} ".encode()
+            yield head + f"{items!r} ".encode()
     else:
         yield f"{value!r} ".encode()
 

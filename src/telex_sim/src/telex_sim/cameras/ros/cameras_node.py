@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import math
 import os
 import sys
@@ -313,6 +314,8 @@ def main() -> None:
     except (ConfigError, NoContextError) as error:
         rospy.logfatal("%s", error)
         sys.exit(1)
+    # What imports have made stays: a collection that looks at it keeps a picture waiting.
+    gc.freeze()
     try:
         with until_shutdown():
             node.run()
