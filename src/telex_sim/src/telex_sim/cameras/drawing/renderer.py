@@ -107,10 +107,10 @@ class Renderer:
         self._spots = Spots(context)
         self._targets: OrderedDict[Tuple[int, int], FrameTarget] = OrderedDict()
         # Of what surfaces there are something to draw with, by their kind.
-        self._samples: Dict[int, Drawable] = {}
+        self._samples: Dict[int, Dict[Tuple[bool, ...], Drawable]] = {}
         # Variants of programs by the number of lamps that they have room for, then by kind.
         self._rooms: Dict[int, Tuple[LitVariant, ...]] = {}
-        self._cold: List[Tuple[LitVariant, Drawable]] = []
+        self._cold: List[Tuple[LitVariant, List[Drawable]]] = []
         self._shown = False
         self._model = np.zeros((0, 4, 4))
         self._centers = np.zeros((0, 3))
@@ -135,15 +135,15 @@ class Renderer:
         """
         self._take_light(scene)
         problems = self._scene.load(scene)
-        # Any surface does, but what its texture is like matters.
-        self._samples = {
-            _kind(drawable.texture is not None, covered): drawable
-            for drawable, covered in zip(self._scene.drawables, self._scene.covered)
-        }
+        self._samples = {}
+        for drawable, covered in zip(self._scene.drawables, self._scene.covered):
+            alike = self._samples.setdefault(_kind(drawable.texture is not None, covered), {})
+            # Any surface does, but what its texture is like matters.
+            alike[drawable.texture_kind] = drawable
         self._cold = [
-            (variants[kind], drawable)
+            (variants[kind], list(alike.values()))
             for variants in self._rooms.values()
-            for kind, drawable in self._samples.items()
+            for kind, alike in self._samples.items()
         ]
         self._shown = False
         return problems
@@ -188,13 +188,14 @@ class Renderer:
         Drivers compile a program when it first draws; many at once would interrupt the pictures.
         """
         while self._cold:
-            variant, drawable = self._cold.pop(0)
+            variant, drawables = self._cold.pop(0)
             if self._programs.has_drawn(variant):
                 continue
             self._begin_pass()
             self._target(1, 1).begin()
             self._use_maps()
-            drawable.draw(self._programs.get(variant))
+            for drawable in drawables:
+                drawable.draw(self._programs.get(variant))
             return
 
     def _take_light(self, scene: VisualScene) -> None:

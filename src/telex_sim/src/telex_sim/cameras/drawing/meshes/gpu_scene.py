@@ -31,6 +31,12 @@ class Drawable:
     texture: Optional[moderngl.Texture]
     opacity: float
 
+    @property
+    def texture_kind(self) -> Tuple[bool, ...]:
+        """What of its texture drivers compile a program anew for: sides that are powers of two."""
+        sides = () if self.texture is None else self.texture.size
+        return tuple(not side & (side - 1) for side in sides)
+
     def draw(self, program: LitProgram, coarse: bool = False) -> None:
         """Draw it, or a coarser shape of it, where the program has been told that it is."""
         if self.texture is not None:
