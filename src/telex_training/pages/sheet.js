@@ -2,7 +2,7 @@
 /** Shows a score sheet: the verdict first, then each metric, then each repetition. */
 
 import { element } from "./elements.js";
-import { decimal, onLanguage, startLanguage, term, text, translated } from "./replay/language.js";
+import { bringTexts, decimal, metricText, onLanguage, startLanguage, term, text, translated } from "./replay/language.js";
 import { whoLooks } from "./replay/visitor.js";
 import { workloadPart } from "./workload.js";
 
@@ -73,7 +73,7 @@ function metricRow(metric) {
   // Without a figure nothing is within a bound, but nothing was missed that anybody tried.
   const value = metric.value === null ? element("td", text("no figure")) : element("td", `${number(metric.value)} ${metric.unit}`, { class: within });
   return [
-    element("td", translated(metric.text)),
+    element("td", metricText(metric.text)),
     value,
     element("td", metric.pass === null ? "" : `${sign} ${number(metric.pass)}`),
     element("td", metric.expert === null ? "" : `${number(metric.expert[0])} ± ${number(metric.expert[1])}`),
@@ -84,7 +84,7 @@ function metricRow(metric) {
  * @param {any} repetition @param {number} index @param {number | undefined} ended sim time of its end (s)
  */
 function repetitionRow(repetition, index, ended) {
-  const result = repetition.fault || (repetition.passed ? text("passed") : text("completed"));
+  const result = translated(repetition.fault ?? "") || (repetition.passed ? text("passed") : text("completed"));
   // What led to a fault is just before it.
   const time = ended === undefined ? undefined : Math.max(0, ended - (repetition.fault ? LEAD : repetition.seconds));
   return [
@@ -133,20 +133,20 @@ function aidsParts(aids) {
 /** @param {any} repetition @param {number | undefined} ended sim time of its end (s) */
 function practisedRow(repetition, ended) {
   const cells = repetitionRow(repetition, 0, ended);
-  cells[0] = element("td", repetition.bookmark);
-  cells[3] = element("td", repetition.fault || text("completed"));
+  cells[0] = element("td", translated(repetition.bookmark));
+  cells[3] = element("td", translated(repetition.fault ?? "") || text("completed"));
   return cells;
 }
 
 /** @param {any} sheet */
 function show(sheet) {
   const { exercise, verdict } = sheet;
-  document.title = `${exercise.title}: ${text(VERDICTS[verdict] ?? "no verdict")}`;
+  document.title = `${translated(exercise.title)}: ${text(VERDICTS[verdict] ?? "no verdict")}`;
   const seed = exercise.seed === null ? "" : text(", seed {seed}", { seed: exercise.seed });
   const parts = [
     element("h1", text(VERDICTS[verdict] ?? (sheet.valid ? term("NO VERDICT") : term("INVALID"))), { "data-verdict": verdict }),
     element("p", lead(sheet), { class: "lead" }),
-    element("p", `${exercise.title}, ${translated(exercise.setting)}${seed} · ${sheet.operator || text("no name")} · ${translated(sheet.mode)} · ${text("ended: {how}", { how: translated(sheet.ended) })}`, { class: "about" }),
+    element("p", `${translated(exercise.title)}, ${translated(exercise.setting)}${seed} · ${sheet.operator || text("no name")} · ${translated(sheet.mode)} · ${text("ended: {how}", { how: translated(sheet.ended) })}`, { class: "about" }),
   ];
   if (!sheet.valid) parts.push(element("p", text("Not valid: {why}", { why: sheet.invalid_because.map(translated).join("; ") }), { class: "invalid" }));
   for (const setting of sheet.link ?? []) parts.push(element("p", lineText(setting), { class: "about line" }));
@@ -215,6 +215,7 @@ async function main() {
   }
   if (reply.ok) {
     const sheet = await reply.json();
+    await bringTexts(`api/texts?${whoLooks()}`);
     show(sheet);
     onLanguage(() => show(sheet));
     return;

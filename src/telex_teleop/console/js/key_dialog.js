@@ -2,7 +2,7 @@
 /** The list of all keys, in which each can be changed. */
 
 import { makeButton } from "./buttons.js";
-import { text } from "./language.js";
+import { text, translated } from "./language.js";
 import { all, byId, element, keyCap } from "./panels.js";
 
 export class KeyDialog {
@@ -58,7 +58,7 @@ export class KeyDialog {
     if (code.startsWith("Shift")) return true; // on its way to another key
     this._wait(null);
     if (code === this._keymap.codeOf(this._vocabulary.emergencyStop)) {
-      this._tell(text("{key} is the e-stop, always.", { key: this._keymap.capOf(code) }));
+      this._tell(text("{key} is the e-stop, always.", { key: translated(this._keymap.capOf(code)) }));
       return false;
     }
     const others = this._keymap.set(name, code);

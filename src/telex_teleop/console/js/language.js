@@ -2,14 +2,21 @@
 /** The texts and figures of the pages in the language that is shown. */
 
 import { DE } from "./language/de.js";
+import { EXERCISES_DE } from "./language/exercises_de.js";
+import { EXERCISES_FR } from "./language/exercises_fr.js";
 import { FR } from "./language/fr.js";
+import { term } from "./language/term.js";
 
-export { term } from "./language/term.js";
+export { term };
 
 /** @typedef {"en" | "de" | "fr"} Language */
 
 /** What each language calls itself, and its sentences by the English ones. @type {Record<Language, {name: string, table: Record<string, string>}>} */
-const LANGUAGES = { en: { name: "English", table: {} }, de: { name: "Deutsch", table: DE }, fr: { name: "Français", table: FR } };
+const LANGUAGES = {
+  en: { name: "English", table: {} },
+  de: { name: "Deutsch", table: { ...DE, ...EXERCISES_DE } },
+  fr: { name: "Français", table: { ...FR, ...EXERCISES_FR } },
+};
 const ORDER = /** @type {Language[]} */ (Object.keys(LANGUAGES));
 
 const STORED_AS = "telex.language";
@@ -81,7 +88,7 @@ function remembered(sentence) {
  * @returns {string}
  */
 export function again(sentence) {
-  const known = remembered(sentence) ?? (Object.hasOwn(DE, sentence) ? { english: sentence, values: {} } : undefined);
+  const known = remembered(sentence) ?? (isKnown(sentence) ? { english: sentence, values: {} } : undefined);
   return known === undefined ? sentence : anew(known, again);
 }
 
@@ -91,8 +98,22 @@ export function again(sentence) {
  * @returns {string}
  */
 export function translated(sentence) {
-  const known = remembered(sentence) || Object.hasOwn(DE, sentence) ? undefined : formOf(sentence);
-  return known === undefined ? again(sentence) : anew(known, translated);
+  const known = remembered(sentence) || isKnown(sentence) ? undefined : formOf(sentence);
+  if (known !== undefined) return anew(known, (value) => (DECIMAL.test(value) ? decimal(Number(value), value.split(".")[1].length) : translated(value)));
+  const now = again(sentence);
+  const joint = JOINTS.find((each) => sentence.includes(each.split("|")[0]));
+  return now !== sentence || joint === undefined ? now : sentence.split(joint.split("|")[0]).map(translated).join(text(joint));
+}
+
+/** What servers put sentences together with. */
+const JOINTS = [term("; |joint"), term(": |joint")];
+
+/** A figure as a server writes it. */
+const DECIMAL = /^-?\d+\.\d+$/;
+
+/** Whether a language has it. @param {string} sentence */
+function isKnown(sentence) {
+  return Object.values(LANGUAGES).some(({ table }) => Object.hasOwn(table, sentence));
 }
 
 /** @param {Said} known  @param {(value: string) => string} say  Of its values. */
@@ -105,10 +126,14 @@ const LEAST_LETTERS = 3; // that tell a sentence with values from any other one
 /** Sentences with values, and what they look like. @type {{english: string, names: string[], look: RegExp}[] | null} */
 let forms = null;
 
+/** How many letters it has beside its values. @param {string} english */
+const lettersOf = (english) => english.replace(/\{\w+\}/g, "").match(/\p{L}/gu)?.length ?? 0;
+
 /** A sentence with values that this one is; undefined: none. @param {string} sentence */
 function formOf(sentence) {
   forms ??= Object.keys(DE)
-    .filter((english) => english.includes("{") && (english.replace(/\{\w+\}/g, "").match(/\p{L}/gu)?.length ?? 0) >= LEAST_LETTERS)
+    .filter((english) => english.includes("{") && lettersOf(english) >= LEAST_LETTERS)
+    .sort((one, other) => lettersOf(other) - lettersOf(one)) // the most particular first
     .map((english) => ({
       english,
       names: [...english.matchAll(/\{(\w+)\}/g)].map(([, name]) => name),
@@ -120,6 +145,20 @@ function formOf(sentence) {
     if (found !== null) return { english, values: Object.fromEntries(names.map((name, index) => [name, found[index + 1]])) };
   }
   return undefined;
+}
+
+/**
+ * Take what exercises say in other languages by their own files; what pages say themselves stays as it is.
+ * @param {Record<string, Record<string, string>>} tables  By codes of languages, and by the English texts.
+ */
+export function addTexts(tables) {
+  let isNew = false;
+  for (const [code, { table }] of Object.entries(LANGUAGES)) {
+    const news = Object.entries(tables[code] ?? {}).filter(([english]) => code !== "en" && !Object.hasOwn(table, english));
+    Object.assign(table, Object.fromEntries(news));
+    isNew ||= news.length > 0;
+  }
+  if (isNew) for (const act of changed) act();
 }
 
 /** @type {Map<string, Intl.NumberFormat>} */

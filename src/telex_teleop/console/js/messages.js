@@ -2,6 +2,7 @@
 /** The log of messages: each message once, with its severity. */
 
 import { onClick } from "./buttons.js";
+import { translated } from "./language.js";
 import { all, byId, check, element } from "./panels.js";
 
 /** @typedef {"info" | "warning" | "alarm"} Level */
@@ -94,6 +95,6 @@ export class Messages {
       nodes.set(sentence, [...(nodes.get(sentence) ?? []), node]);
     }
     this._gathered.clear();
-    for (const [sentence, who] of nodes) if (!isKnown(sentence)) this.add(`${who.sort().join(", ")}: ${sentence}`, "warning");
+    for (const [sentence, who] of nodes) if (!isKnown(sentence)) this.add(`${who.sort().join(", ")}: ${translated(sentence)}`, "warning");
   }
 }

@@ -35,7 +35,7 @@ export class SceneChooser {
 
   /** @param {any} status  telex_msgs/SimStatus */
   setStatus({ world }) {
-    setText(byId("scene-name"), world);
+    setText(byId("scene-name"), translated(world));
     // Somebody else may have loaded it.
     if (this._world !== "" && world !== this._world) this.list();
     this._world = world;
@@ -64,8 +64,8 @@ export class SceneChooser {
         Object.assign(picture, { src: `data:image/jpeg;base64,${scene.picture}`, alt: "" });
         line.append(picture);
       }
-      line.append(element("b", "", scene.name), button, element("p", scene.problem ? "problem" : "", scene.problem || scene.description));
-      line.title = `${scene.description}\n${scene.path}`;
+      line.append(element("b", "", translated(scene.name)), button, element("p", scene.problem ? "problem" : "", translated(scene.problem || scene.description)));
+      line.title = `${translated(scene.description)}\n${scene.path}`;
       return line;
     }));
   }
@@ -73,25 +73,25 @@ export class SceneChooser {
   /** @param {string} name */
   async _load(name) {
     if (this._isLoading) return;
-    if (!(await ask(text("Load {scene}? The robot starts anew there, and what was done in {before} is lost.", { scene: name, before: this._world || text("this scene") }), text("load")))) return;
+    if (!(await ask(text("Load {scene}? The robot starts anew there, and what was done in {before} is lost.", { scene: translated(name), before: this._world === "" ? text("this scene") : translated(this._world) }), text("load")))) return;
     this._isLoading = true;
     const begun = performance.now();
-    const showProgress = () => this._note(text("loading {scene} … {seconds} s", { scene: name, seconds: decimal((performance.now() - begun) / 1000, 1) }), true);
+    const showProgress = () => this._note(text("loading {scene} … {seconds} s", { scene: translated(name), seconds: decimal((performance.now() - begun) / 1000, 1) }), true);
     showProgress();
     const timer = setInterval(showProgress, PROGRESS_PERIOD);
     try {
       const answer = await this._robot.call("sim/load_scene", { world: name }, WITHIN);
       if (answer.success) {
         this._loaded();
-        this._robot.log(answer.message);
+        this._robot.log(translated(answer.message));
       } else {
-        this._robot.warn(answer.message);
+        this._robot.warn(translated(answer.message));
       }
-      this._note(answer.success ? answer.message : text("refused"));
+      this._note(answer.success ? translated(answer.message) : text("refused"));
     } catch (error) {
       const { name: kind, message } = /** @type {Error} */ (error);
       const reason = kind === "TimeoutError" ? text("no answer yet; it may still be loading") : translated(message);
-      this._robot.warn(text("loading {scene}: {why}", { scene: name, why: reason }));
+      this._robot.warn(text("loading {scene}: {why}", { scene: translated(name), why: reason }));
       this._note(reason);
     } finally {
       clearInterval(timer);

@@ -7,7 +7,7 @@ import { test } from "node:test";
 import { deedsOf, passOf, timesOf } from "../../console/js/training/brief.js";
 
 const BRIEF = /** @type {any} */ ({
-  repetitions: { most: 10, least: 2, time: 420, trial_time: 1800 }, begins: "a command is given", best: 31.26,
+  repetitions: { most: 10, least: 2, time: 420, trial_time: 1800 }, begins: { english: "a command is given", values: {} }, best: 31.26,
   expert: { seconds: 23.3, spread: 0, provisional: true, sees: "all places" },
 });
 

@@ -68,7 +68,7 @@ export function whoText({ operator, holder }) {
 
 /** @param {{title: string, setting: string, mode?: string}} state */
 export function whatText({ title, setting, mode }) {
-  return [title, setting === "standard" ? "" : translated(setting), mode === "exam" ? text("EXAM") : translated(mode ?? "")].filter(Boolean).join(" · ");
+  return [translated(title), setting === "standard" ? "" : translated(setting), mode === "exam" ? text("EXAM") : translated(mode ?? "")].filter(Boolean).join(" · ");
 }
 
 /** Phase, repetition and clock. @param {State} state */
@@ -83,7 +83,7 @@ export function clockText({ phase, repetition, repetitions, results, elapsed, pe
 /** The step that is due. @param {State} state */
 export function stepText({ phase, steps, steps_done: done }) {
   const next = steps.findIndex((_, index) => !done[index]);
-  return !["waiting", "running"].includes(phase) || next < 0 ? "" : text("step {count}: {step}", { count: `${done.filter(Boolean).length + 1}/${steps.length}`, step: steps[next] });
+  return !["waiting", "running"].includes(phase) || next < 0 ? "" : text("step {count}: {step}", { count: `${done.filter(Boolean).length + 1}/${steps.length}`, step: translated(steps[next]) });
 }
 
 /** Verdict of the trial that ended last. @param {Station["last"]} last */
@@ -147,7 +147,7 @@ export class Card {
     const asks = state !== null && state.help !== null && phase === "here";
     this.root.dataset.help = String(asks);
     this._set("standing", standingText(station));
-    this._set("reason", phase === "gone" ? station.reason : "");
+    this._set("reason", phase === "gone" ? translated(station.reason) : "");
     this._parts.help.hidden = !asks;
     const asked = asks ? text("{name} asks for help, for {age}", { name: state.operator || text("no name"), age: ago((state.help ?? 0) + station.age) }) : "";
     if (this._help.textContent !== asked) this._help.textContent = asked;
@@ -155,7 +155,7 @@ export class Card {
     this._set("about", state === null ? "" : whatText(state));
     this._set("clock", state === null ? "" : clockText(state));
     this._set("step", state === null ? "" : stepText(state));
-    this._set("faults", state === null ? "" : [state.valid ? "" : text("NOT VALID"), ...state.faults, state.message].filter(Boolean).join(" · "));
+    this._set("faults", state === null ? "" : [state.valid ? "" : text("NOT VALID"), ...state.faults.map(translated), translated(state.message)].filter(Boolean).join(" · "));
     this._set("last", lastText(station.last));
     this._set("order", orderText(station.order));
     this._parts.order.dataset.ok = String(station.order === null || !station.order.done || station.order.ok);

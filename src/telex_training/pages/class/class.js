@@ -139,7 +139,7 @@ class OrderDialog {
       this._note(text("no exercises: {why}", { why: translated(/** @type {Error} */ (error).message) }));
       return;
     }
-    fill(choice("order-exercise"), this._exercises.map(({ name, title }) => [name, title || name]));
+    fill(choice("order-exercise"), this._exercises.map(({ name, title }) => [name, translated(title || name)]));
     this._showChoices();
   }
 
@@ -217,7 +217,7 @@ function courseTable({ title, modules, people }) {
     element("th", name || text("no name")),
     ...states.map((state) => element("td", MARKS[state] ?? state, { "data-state": state, title: text(`${state}|state`) })),
   ]));
-  return element("section", "", {}, [element("h2", title), element("table", "", {}, [element("thead", "", {}, [head]), element("tbody", "", {}, rows)])]);
+  return element("section", "", {}, [element("h2", translated(title)), element("table", "", {}, [element("thead", "", {}, [head]), element("tbody", "", {}, rows)])]);
 }
 
 async function showProgress() {

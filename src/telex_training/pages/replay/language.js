@@ -9,5 +9,8 @@ const ADDRESS = globalThis.document === undefined
 /** @type {typeof import("../../../telex_teleop/console/js/language.js")} */
 export const { decimal, onLanguage, term, text, translated } = await import(new URL("language.js", ADDRESS).href);
 
+/** @type {typeof import("../../../telex_teleop/console/js/language/exercise.js")} */
+export const { bringTexts, metricText } = await import(new URL("language/exercise.js", ADDRESS).href);
+
 /** @type {typeof import("../../../telex_teleop/console/js/language/page.js")} */
 export const { startLanguage } = await import(new URL("language/page.js", ADDRESS).href);

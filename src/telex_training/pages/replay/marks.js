@@ -35,7 +35,7 @@ const EVENTS = /** @type {Record<string, string>} */ ({
 export function sentence(mark) {
   const { event, name, detail } = mark;
   if (event === "moment") return `${name}${detail?.instructor && name !== "instructor" ? text(" (instructor)") : ""}: ${detail?.text ?? ""}`;
-  const about = event === "note" ? detail?.text ?? "" : event === "end" ? translated(name) : name;
+  const about = event === "note" ? detail?.text ?? "" : translated(name);
   const force = event === "contact" && typeof detail?.force === "number" ? `, ${Math.round(detail.force)} N` : "";
   const how = detail?.by === "e_stop" ? text("emergency stop") : text("other command");
   const reaction = event === "reaction" && typeof detail?.seconds === "number" ? text(", {how} after {seconds} s", { how, seconds: decimal(detail.seconds, 2) }) : "";

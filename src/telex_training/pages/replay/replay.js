@@ -3,7 +3,7 @@
 
 import { KINDS, STRETCHES, ceiling, clock, current, outline, sentence } from "./marks.js";
 import { aheadText, offerRuns } from "./ghosts.js";
-import { decimal, onLanguage, startLanguage, text, translated } from "./language.js";
+import { bringTexts, decimal, onLanguage, startLanguage, text, translated } from "./language.js";
 import { listenToNotes } from "./notes.js";
 import { whoLooks } from "./visitor.js";
 
@@ -365,8 +365,8 @@ async function findGhosts() {
 
 /** @param {any} about */
 function introduce(about) {
-  document.title = `${text("Replay")}: ${about.title}`;
-  get("title").textContent = about.title;
+  document.title = `${text("Replay")}: ${translated(about.title)}`;
+  get("title").textContent = translated(about.title);
   const verdict = about.valid ? translated(about.verdict) || text("no verdict") : text("not valid");
   const parts = [translated(about.setting), about.operator || text("no name"), translated(about.mode), verdict, clock(about.duration)];
   get("about").textContent = parts.join(" · ");
@@ -383,12 +383,13 @@ async function main() {
   Object.assign(state, { duration: Math.max(about.duration, 1e-3), period: about.period });
   slider.max = String(about.duration);
   slider.step = "any";
+  await bringTexts(`/training/api/texts?${whoLooks()}`);
   introduce(about);
   onLanguage(() => {
     introduce(about);
     tell({ marks });
   });
-  for (const problem of about.problems) get("problems").append(Object.assign(document.createElement("li"), { textContent: problem }));
+  for (const problem of about.problems) get("problems").append(Object.assign(document.createElement("li"), { textContent: translated(problem) }));
   drawTimeline(about);
   drawStrips(about);
   tell(about);

@@ -59,7 +59,7 @@ def test_an_exercise_of_one_robot_makes_the_scene_that_it_made():
 def test_parts_of_a_condition_are_of_its_robot_unless_they_say_otherwise():
     (step,) = made().steps
     assert [part.robot for part in step.until.walk() if not part.parts] == ["", "second", "second"]
-    assert condition_words(step.until) == (
+    assert str(condition_words(step.until)) == (
         "the gripper holds the cube, the gripper holds the cube (robot 'second') and the robot "
         "leans by no more than 11° (robot 'second')"
     )

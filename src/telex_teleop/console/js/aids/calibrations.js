@@ -1,7 +1,7 @@
 // @ts-check
 /** Calibrations of the cameras that are shown large, each asked for once: who listens on has them drawn in full size all the time. */
 
-import { text } from "../language.js";
+import { text, translated } from "../language.js";
 import { lensOf, zoomed } from "./lens.js";
 
 const TYPE = "sensor_msgs/CameraInfo";
@@ -110,7 +110,7 @@ export class Calibrations {
     } catch (error) {
       known.calibration = null;
       known.state = "refused"; // until the next connection
-      this._warn(text("camera {camera}: {why}; nothing is drawn into its picture", { camera, why: /** @type {Error} */ (error).message }));
+      this._warn(text("camera {camera}: {why}; nothing is drawn into its picture", { camera: translated(camera), why: translated(/** @type {Error} */ (error).message) }));
     }
     this.changed();
   }

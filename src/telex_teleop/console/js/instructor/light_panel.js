@@ -3,7 +3,7 @@
 
 import { onClick } from "../buttons.js";
 import { Lamps } from "../lamps.js";
-import { text } from "../language.js";
+import { text, translated } from "../language.js";
 import { all, byId, check } from "../panels.js";
 
 export class LightPanel {
@@ -46,7 +46,7 @@ export class LightPanel {
     const answer = await this._robot.request("sim/set_light", light);
     if (answer === null) return;
     this.show(light);
-    this._robot.log(answer.message);
+    this._robot.log(translated(answer.message));
   }
 
   _show() {

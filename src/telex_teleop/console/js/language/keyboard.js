@@ -25,7 +25,7 @@ const LAYOUTS = {
       KeyQ: "A", KeyA: "Q", KeyW: "Z", KeyZ: "W", Semicolon: "M", KeyM: ",", Comma: ";", Period: ":", Slash: "!", Quote: "Ù", Backslash: "*",
       BracketLeft: "^", BracketRight: "$", Minus: ")", Equal: "=", Backquote: "²", IntlBackslash: "<",
     },
-    names: { Space: "Espace", Enter: "Entrée", Backspace: "⌫", Home: "↖", End: "Fin", Insert: "Inser", Delete: "Suppr", PageUp: "Page↑", PageDown: "Page↓" },
+    names: { Escape: "Échap", Space: "Espace", Enter: "Entrée", Backspace: "⌫", Home: "↖", End: "Fin", Insert: "Inser", Delete: "Suppr", PageUp: "Page↑", PageDown: "Page↓" },
   },
   ch: {
     name: "Schweiz, Suisse (QWERTZ)",

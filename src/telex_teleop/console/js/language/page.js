@@ -4,10 +4,10 @@
 import { onClick } from "../buttons.js";
 import { again, keep, language, nextLanguage, onLanguage, text } from "../language.js";
 
-const ATTRIBUTES = ["title", "aria-label", "placeholder", "alt"];
+const ATTRIBUTES = ["title", "aria-label", "placeholder", "alt", "label"];
 
-/** What is not translated: keys, and sentences that somebody else has said. */
-const AS_IT_IS = "script, style, kbd, textarea, #log";
+/** What is not translated: keys that are labelled by the keyboard, and sentences that somebody else has said. */
+const AS_IT_IS = "script, style, kbd[data-binding], textarea, #log";
 
 /** Say all anew that stands on the page, in text and attributes. @param {(sentence: string) => string} say */
 function translate(say) {

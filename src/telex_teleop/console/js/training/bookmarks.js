@@ -2,7 +2,7 @@
 /** Bookmarks on the strip, in practice: set them at any time, and go back to one. */
 
 import { makeButton } from "../buttons.js";
-import { text } from "../language.js";
+import { language, text, translated } from "../language.js";
 import { byId, element } from "../panels.js";
 
 /** @typedef {import("./client.js").State} State */
@@ -19,6 +19,7 @@ export class StripBookmarks {
     this._letGo = letGo;
     /** Those that are offered, oldest first. @type {string[]} */
     this._names = [];
+    this._listed = "";
     where.replaceChildren(
       made(makeButton(text("bookmark"), () => this.set()), "training-bookmark", text("Set a bookmark here, to go on from again")),
       made(makeButton(text("again from here"), () => this.back()), "training-back", text("Go back to the bookmark that is chosen; it counts for nothing")),
@@ -50,11 +51,13 @@ export class StripBookmarks {
     byId("training-bookmark").hidden = !canSet;
     byId("training-back").hidden = this._choice.hidden = names.length === 0;
     this._where.hidden = !canSet && names.length === 0;
-    if (JSON.stringify(names) === JSON.stringify(this._names)) return; // a list that is open must stay
+    const listed = JSON.stringify([names, language().code]);
+    if (listed === this._listed) return; // a list that is open must stay
     const isNewest = this._choice.value === (this._names.at(-1) ?? "");
     const chosen = isNewest || !names.includes(this._choice.value) ? names.at(-1) ?? "" : this._choice.value;
     this._names = names;
-    this._choice.replaceChildren(...names.slice().reverse().map((name) => new Option(name, name)));
+    this._listed = listed;
+    this._choice.replaceChildren(...names.slice().reverse().map((name) => new Option(translated(name), name)));
     this._choice.value = chosen;
   }
 }

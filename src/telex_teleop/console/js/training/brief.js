@@ -3,10 +3,12 @@
 
 import { onClick } from "../buttons.js";
 import { decimal, onLanguage, text, translated } from "../language.js";
+import { bringTexts, metricText, told } from "../language/exercise.js";
 import { byId, element, keyCap, rowsOf, setText } from "../panels.js";
-import { addressOf, clockText } from "./client.js";
+import { TEXTS, addressOf, clockText } from "./client.js";
 
 /** @typedef {import("../vocabulary.js").Action} Action */
+/** @typedef {import("../language/exercise.js").Told} Told */
 
 /**
  * @typedef {object} Brief  As /training/api/brief/TRIAL has it; times in s.
@@ -15,11 +17,11 @@ import { addressOf, clockText } from "./client.js";
  * @property {string} setting
  * @property {string} mode
  * @property {string} description
- * @property {string} begins
- * @property {{name: string, until: string}[]} steps
+ * @property {Told} begins
+ * @property {{name: string, until: Told}[]} steps
  * @property {boolean} any_order
- * @property {{name: string, when: string}[]} faults
- * @property {{name: string, when: string, seconds: number}[]} penalties
+ * @property {{name: string, when: Told}[]} faults
+ * @property {{name: string, when: Told, seconds: number}[]} penalties
  * @property {Metric[]} metrics
  * @property {{most: number, least: number, time: number, trial_time: number}} repetitions
  * @property {string[]} controls
@@ -101,6 +103,7 @@ export class ExerciseBrief {
     const trial = this._trial;
     setText(byId("brief-note"), text("asking for the brief …"));
     try {
+      await bringTexts(addressOf(TEXTS, this._given));
       const address = addressOf(`/training/api/brief/${encodeURIComponent(trial)}`, this._given, { name: this._operator });
       const reply = await fetch(address, { cache: "no-store" });
       if (!reply.ok) throw new Error((await reply.text()).trim() || `the video server says ${reply.status}`);
@@ -115,15 +118,15 @@ export class ExerciseBrief {
   _fill(brief) {
     this._brief = brief;
     setText(byId("brief-note"), "");
-    setText(byId("brief-title"), [brief.title, brief.setting === "standard" ? "" : translated(brief.setting), brief.mode === "exam" ? text("EXAM") : ""].filter(Boolean).join(" · "));
-    setText(byId("brief-description"), brief.description);
+    setText(byId("brief-title"), [translated(brief.title), brief.setting === "standard" ? "" : translated(brief.setting), brief.mode === "exam" ? text("EXAM") : ""].filter(Boolean).join(" · "));
+    setText(byId("brief-description"), translated(brief.description));
     this._caption = brief.mode === "exam" ? text("As in practice: in an exam things stand elsewhere.") : text("Names and outlines are not to be seen on the robot's cameras.");
     setText(byId("brief-caption"), text("the picture is being drawn …"));
     this._picture.src = addressOf(brief.picture, this._given);
     setText(byId("brief-task"), brief.any_order ? text("Task, in any order") : text("Task, in this order"));
-    byId("brief-steps").replaceChildren(...brief.steps.map(({ name, until }) => item(name, until)));
-    fill("brief-faults", brief.faults.map(({ name, when }) => item(name, when)));
-    fill("brief-penalties", brief.penalties.map(({ name, when, seconds }) => item(`${name}, + ${decimal(seconds, 1, 0)} s`, when)));
+    byId("brief-steps").replaceChildren(...brief.steps.map(({ name, until }) => item(translated(name), told(until))));
+    fill("brief-faults", brief.faults.map(({ name, when }) => item(translated(name), told(when))));
+    fill("brief-penalties", brief.penalties.map(({ name, when, seconds }) => item(`${translated(name)}, + ${decimal(seconds, 1, 0)} s`, told(when))));
     fill("brief-metrics", metricRows(brief.metrics));
     byId("brief-times").replaceChildren(...timesOf(brief).flatMap(([name, words]) => [element("dt", "", name), element("dd", "", words)]));
     byId("brief-keys").replaceChildren(...this._keys(brief.controls));
@@ -190,7 +193,7 @@ function metricRows(metrics) {
   };
   return [
     line("th", ["", text("pass"), ...(withExpert ? [text("expert")] : [])]),
-    ...metrics.map((metric) => line("td", [metric.text, passOf(metric), ...(withExpert ? [expertOf(metric.expert, metric.unit)] : [])])),
+    ...metrics.map((metric) => line("td", [metricText(metric.text), passOf(metric), ...(withExpert ? [expertOf(metric.expert, metric.unit)] : [])])),
   ];
 }
 
@@ -211,7 +214,7 @@ function expertOf(expert, unit) {
 /** Limits and comparisons, with their names. @param {Brief} brief @returns {[string, string][]} */
 export function timesOf({ repetitions: { most, least, time, trial_time: trial }, begins, best, expert }) {
   /** @type {[string, string][]} */
-  const rows = [[text("clock starts"), text("when {begins}", { begins })]];
+  const rows = [[text("clock starts"), text("when {begins}", { begins: told(begins) })]];
   rows.push([text("repetitions"), text("{most}, {least} completed for a verdict", { most: most > 0 ? text("{limit} at most", { limit: most }) : text("as many as you like"), least })]);
   if (time > 0) rows.push([text("each"), text("{limit} at most", { limit: clockText(time) })]);
   if (trial > 0) rows.push([text("trial"), text("{limit} at most", { limit: clockText(trial) })]);

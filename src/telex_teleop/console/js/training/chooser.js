@@ -3,8 +3,9 @@
 
 import { makeButton, onClick } from "../buttons.js";
 import { onLanguage, text, translated } from "../language.js";
+import { bringTexts } from "../language/exercise.js";
 import { byId, element, setText } from "../panels.js";
-import { addressOf, clockText, rememberOperator, rememberedOperator } from "./client.js";
+import { TEXTS, addressOf, clockText, rememberOperator, rememberedOperator } from "./client.js";
 
 export class ExerciseChooser {
   /**
@@ -56,6 +57,7 @@ export class ExerciseChooser {
     const note = byId("exercises-note");
     setText(note, text("asking for the exercises …"));
     try {
+      await bringTexts(addressOf(TEXTS, this._given));
       const exercises = await this._client.list(this._nameField.value.trim());
       setText(note, exercises.length === 0 ? text("there are no exercises") : "");
       byId("exercises-list").replaceChildren(...exercises.map((exercise) => this._card(exercise)));
@@ -74,7 +76,7 @@ export class ExerciseChooser {
       picture.loading = "lazy";
       card.append(picture);
     }
-    card.append(element("h3", "", exercise.title || exercise.name), element("p", "", exercise.problem || exercise.description));
+    card.append(element("h3", "", translated(exercise.title || exercise.name)), element("p", "", translated(exercise.problem || exercise.description)));
     if (exercise.problem !== "") {
       card.dataset.state = "broken";
       return card;

@@ -10,6 +10,8 @@ export const TYPES = {
   state: "telex_msgs/TrainingState",
   telemetry: "std_msgs/String",
 };
+/** Address of what exercises say in other languages by their own files. */
+export const TEXTS = "/training/api/texts";
 const SLOW = 30_000; // ms within which a scene is loaded
 const OPERATOR = "telex.operator"; // where the browser keeps whose name was typed last
 

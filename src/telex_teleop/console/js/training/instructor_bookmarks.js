@@ -2,7 +2,7 @@
 /** The instructor's bookmarks: of a trainee's practice where one goes on, else of the simulator. */
 
 import { makeButton, onClick } from "../buttons.js";
-import { text } from "../language.js";
+import { text, translated } from "../language.js";
 import { byId, element } from "../panels.js";
 import { BEGUN } from "./client.js";
 
@@ -58,7 +58,7 @@ export class InstructorBookmarks {
     const shown = [...this._choice.options].map(({ value }) => value).reverse();
     if (JSON.stringify(names) !== JSON.stringify(shown)) {
       const chosen = names.includes(this._choice.value) && this._choice.value !== shown.at(-1) ? this._choice.value : names.at(-1) ?? "";
-      this._choice.replaceChildren(...names.slice().reverse().map((name) => new Option(name, name)));
+      this._choice.replaceChildren(...names.slice().reverse().map((name) => new Option(translated(name), name)));
       this._choice.value = chosen;
     }
     const why = of === "exam" ? text("An exam has no bookmarks") : "";
@@ -79,14 +79,14 @@ export class InstructorBookmarks {
     const answer = await this._call(service, fields);
     if (answer === null) return;
     this._name.value = "";
-    this._robot.log(answer.message);
+    this._robot.log(translated(answer.message));
     this.list();
   }
 
   async _back() {
     const service = this._of === "practice" ? "training/back" : "sim/restore";
     const answer = await this._call(service, { name: this._choice.value });
-    if (answer !== null) this._robot.log(answer.message);
+    if (answer !== null) this._robot.log(translated(answer.message));
     else this.list();
   }
 

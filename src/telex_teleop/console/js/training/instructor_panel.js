@@ -4,8 +4,9 @@
 import { ask } from "../ask.js";
 import { onClick } from "../buttons.js";
 import { text, translated } from "../language.js";
+import { bringTexts } from "../language/exercise.js";
 import { byId, element, setText } from "../panels.js";
-import { BEGUN, addressOf } from "./client.js";
+import { BEGUN, TEXTS, addressOf } from "./client.js";
 
 
 /** @typedef {import("./client.js").State} State */
@@ -58,13 +59,14 @@ export class ExercisePanel {
   /** Ask which exercises there are, and who has done some; after every new connection. */
   async list() {
     try {
+      await bringTexts(addressOf(TEXTS, this._given));
       this._exercises = (await this._client.list("")).filter(({ problem }) => problem === "");
     } catch (error) {
       setText(byId("exercise-note"), text("no exercises: {why}", { why: translated(/** @type {Error} */ (error).message) }));
       return;
     }
     const chosen = this._names.value;
-    fill(this._names, this._exercises.map(({ name, title }) => [name, title || name]), chosen);
+    fill(this._names, this._exercises.map(({ name, title }) => [name, translated(title || name)]), chosen);
     this._showChoices();
     this._showState();
     this._known = await this._askForNames();
@@ -129,7 +131,7 @@ export class ExercisePanel {
     }
     const [exercise, setting, mode] = ["exercise-name", "exercise-setting", "exercise-mode"].map((id) => select(id).value);
     setText(byId("exercise-note"), text("opening …"));
-    if (await this._client.act("open", { exercise, setting, mode, operator })) this._log(text("{exercise} is open for {operator}", { exercise, operator }));
+    if (await this._client.act("open", { exercise, setting, mode, operator })) this._log(text("{exercise} is open for {operator}", { exercise: this._names.selectedOptions[0]?.text ?? exercise, operator }));
     this._showState();
   }
 
@@ -164,7 +166,7 @@ export function stateText(state) {
   if (state === null || state.phase === "idle") return text("none is open");
   const { operator, title, setting, mode, phase, verdict, valid } = state;
   const end = phase === "ended" ? translated(verdict) || (valid ? text("no verdict") : text("not valid")) : translated(phase);
-  return [operator || text("no name"), setting === "standard" ? title : `${title}, ${translated(setting)}`, translated(mode), end].join(" · ");
+  return [operator || text("no name"), setting === "standard" ? translated(title) : `${translated(title)}, ${translated(setting)}`, translated(mode), end].join(" · ");
 }
 
 /**

@@ -2,7 +2,8 @@
 /** The strip above the picture: the exercise as it stands, questions, and what can be pressed. */
 
 import { makeButton, onClick } from "../buttons.js";
-import { term, text, translated } from "../language.js";
+import { language, term, text, translated } from "../language.js";
+import { answerOf, choiceText } from "../language/exercise.js";
 import { byId, element, setText } from "../panels.js";
 import { StripBookmarks } from "./bookmarks.js";
 import { addressOf, clockText } from "./client.js";
@@ -78,15 +79,15 @@ export class TrainingStrip {
     if (strip.hidden) return;
     strip.dataset.phase = state.phase;
     strip.dataset.valid = String(state.valid);
-    setText(byId("training-title"), [state.title, state.setting === "standard" ? "" : translated(state.setting), state.mode === "exam" ? text("EXAM") : ""].filter(Boolean).join(" · "));
+    setText(byId("training-title"), [translated(state.title), state.setting === "standard" ? "" : translated(state.setting), state.mode === "exam" ? text("EXAM") : ""].filter(Boolean).join(" · "));
     setText(byId("training-repetition"), repetitionText(state));
     setText(byId("training-results"), state.results.map((result) => MARKS[result] ?? "✘").join(" "));
     byId("training-results").title = state.results.map(translated).join(", ");
     setText(byId("training-clock"), clockText(state.elapsed + state.penalty));
     setText(byId("training-limit"), state.trial_limit > 0 && state.phase !== "ready" ? text("trial {time} left", { time: clockText(state.trial_limit - state.trial_elapsed) }) : "");
     setText(byId("training-step"), stepText(state));
-    setText(byId("training-faults"), state.faults.length === 0 ? "" : `! ${state.faults.join(", ")}`);
-    setText(byId("training-malfunctions"), state.malfunctions.join(" · "));
+    setText(byId("training-faults"), state.faults.length === 0 ? "" : `! ${state.faults.map(translated).join(", ")}`);
+    setText(byId("training-malfunctions"), state.malfunctions.map(translated).join(" · "));
     setText(byId("training-hint"), noteOf(state));
     this._showButtons(state);
     this.bookmarks.show(state);
@@ -105,13 +106,13 @@ export class TrainingStrip {
     helpButton.title = help ? text("Press when it is no longer needed") : text("The instructor sees it on the page of the class");
     byId("training-again").dataset.wanted = String(phase === "between");
     byId("training-invalid").hidden = valid;
-    byId("training-invalid").title = invalid_because.join("; ");
+    byId("training-invalid").title = invalid_because.map(translated).join("; ");
   }
 
   /** @param {State} state */
   _showQuestions({ phase, questions }) {
     const open = phase === "running" ? questions.filter(({ answered }) => !answered) : [];
-    const asked = JSON.stringify(open);
+    const asked = JSON.stringify([open, language().code]);
     if (asked === this._asked) return; // a field that is being typed into must stay
     this._asked = asked;
     byId("training-questions").replaceChildren(...open.slice(0, 3).map((question) => this._question(question)));
@@ -119,21 +120,21 @@ export class TrainingStrip {
 
   /** @param {State["questions"][number]} question */
   _question({ name, ask, choices }) {
-    const line = element("form"), label = element("label", "", ask);
+    const line = element("form"), label = element("label", "", translated(ask));
     line.append(label);
     const answer = (/** @type {string} */ words) => this._client.act("answer", { question: name, answer: words });
     if (choices.length > 0) {
-      line.append(...choices.map((choice) => makeButton(choice, () => answer(choice))));
+      line.append(...choices.map((choice) => makeButton(choiceText(choice), () => answer(choice))));
       return line;
     }
     const field = document.createElement("input");
     field.maxLength = 200;
-    field.setAttribute("aria-label", ask);
+    field.setAttribute("aria-label", translated(ask));
     label.append(" ", field);
     field.addEventListener("focus", () => this._letGo(text("an answer is typed")));
     line.addEventListener("submit", (event) => {
       event.preventDefault();
-      if (field.value.trim() !== "") answer(field.value.trim());
+      if (field.value.trim() !== "") answer(answerOf(field.value.trim()));
     });
     return line;
   }
@@ -166,7 +167,7 @@ function build(strip) {
 /** @param {State} state */
 export function repetitionText({ repetition, repetitions, phase, from_bookmark: bookmark }) {
   if (repetition === 0 || phase === "ended") return "";
-  if (bookmark !== "") return text("practice only, from: {bookmark}", { bookmark });
+  if (bookmark !== "") return text("practice only, from: {bookmark}", { bookmark: translated(bookmark) });
   return text("rep {count}", { count: repetitions > 0 ? `${repetition}/${repetitions}` : repetition });
 }
 
@@ -175,14 +176,14 @@ export function stepText({ steps, steps_done: done, phase }) {
   const next = steps.findIndex((_, index) => !done[index]);
   if (!["waiting", "running"].includes(phase) || next < 0) return text(PHASES[phase] ?? "");
   const made = done.filter(Boolean).length;
-  return phase === "waiting" ? text("{ready} · first: {step}", { ready: text(PHASES.waiting), step: steps[next] }) : `${made + 1}/${steps.length} ${steps[next]}`;
+  return phase === "waiting" ? text("{ready} · first: {step}", { ready: text(PHASES.waiting), step: translated(steps[next]) }) : `${made + 1}/${steps.length} ${translated(steps[next])}`;
 }
 
 /** What is said under the strip: what went wrong before what helps. @param {State} state */
 export function noteOf({ message, hint, phase, verdict, results, mode, from_bookmark: bookmark, steps_done: done, faults }) {
-  if (message !== "") return message;
+  if (message !== "") return translated(message);
   if (phase === "ended") return verdict === "" ? text("no verdict: see the sheet") : text("{verdict}: see the sheet", { verdict: translated(verdict).toUpperCase() });
-  if (phase === "between" && bookmark !== "") return done.every(Boolean) ? text("done, as practice only") : text("fault: {fault}; practice only", { fault: faults.at(-1) ?? "" });
-  if (phase === "between") return results.at(-1) === "passed" ? text("passed") : text("fault: {fault}", { fault: results.at(-1) ?? "" });
-  return mode === "practice" ? hint : "";
+  if (phase === "between" && bookmark !== "") return done.every(Boolean) ? text("done, as practice only") : text("fault: {fault}; practice only", { fault: translated(faults.at(-1) ?? "") });
+  if (phase === "between") return results.at(-1) === "passed" ? text("passed") : text("fault: {fault}", { fault: translated(results.at(-1) ?? "") });
+  return mode === "practice" ? translated(hint) : "";
 }

@@ -7,7 +7,7 @@ from typing import Any, Dict, List, Optional, Tuple
 from ..exercises.conditions import ROBOT, TOOL, Condition
 from ..exercises.metric_kinds import KINDS
 from ..exercises.model import ARM, CAMERA, GRIPPER, TRACKS, Exercise, Metric
-from .words import condition_words
+from .words import Said, condition_words, say
 
 TIME_FAULT = "time"
 
@@ -23,16 +23,17 @@ def exercise_brief(exercise: Exercise) -> Dict[str, Any]:
         "title": exercise.title,
         "setting": exercise.setting,
         "description": exercise.description,
-        "begins": condition_words(exercise.begin),
+        "begins": _told(condition_words(exercise.begin)),
         "steps": [
-            {"name": step.name, "until": condition_words(step.until)} for step in exercise.steps
+            {"name": step.name, "until": _told(condition_words(step.until))}
+            for step in exercise.steps
         ],
         "any_order": exercise.any_order,
         "faults": _faults(exercise),
         "penalties": [
             {
                 "name": penalty.name,
-                "when": condition_words(penalty.when),
+                "when": _told(condition_words(penalty.when)),
                 "seconds": penalty.seconds,
             }
             for penalty in exercise.penalties
@@ -74,11 +75,19 @@ def _by_arm(part: Condition) -> bool:
     return part.kind == "inside" and part.of.what == TOOL
 
 
-def _faults(exercise: Exercise) -> List[Dict[str, str]]:
-    made = [{"name": fault.name, "when": condition_words(fault.when)} for fault in exercise.faults]
+def _told(said: Said) -> Dict[str, Any]:
+    """A sentence as it is said in English, and its parts for other languages."""
+    return {"text": str(said), **said.as_json()}
+
+
+def _faults(exercise: Exercise) -> List[Dict[str, Any]]:
+    made: List[Dict[str, Any]] = [
+        {"name": fault.name, "when": _told(condition_words(fault.when))}
+        for fault in exercise.faults
+    ]
     if exercise.repetitions.time:
-        longest = exercise.repetitions.time
-        made.append({"name": TIME_FAULT, "when": f"a repetition takes more than {longest:g} s"})
+        longest = say("a repetition takes more than {seconds} s", seconds=exercise.repetitions.time)
+        made.append({"name": TIME_FAULT, "when": _told(longest)})
     return made
 
 

@@ -92,6 +92,7 @@ def _list(options: argparse.Namespace) -> int:
 
 def _check(options: argparse.Namespace) -> int:
     # Physics takes a moment to load, which the other commands do without.
+    from ..briefing.texts import unsaid
     from ..exercises.check import check_file
 
     wrong = 0
@@ -103,7 +104,7 @@ def _check(options: argparse.Namespace) -> int:
             print(error, file=sys.stderr)
             wrong += 1
             continue
-        findings = check_file(file, not options.no_robot)
+        findings = [*check_file(file, not options.no_robot), *unsaid(file)]
         wrong += not print_findings(path, findings, _counts(file))
     return 1 if wrong else 0
 

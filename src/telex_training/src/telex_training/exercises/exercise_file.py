@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import hashlib
 import os
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple, TypeVar
@@ -20,6 +21,7 @@ from .model import (
     CONTROLS,
     LINK_FIELDS,
     MODES,
+    MOST_TEXT,
     PRACTICE,
     Contacts,
     Exercise,
@@ -50,6 +52,8 @@ from .yaml_parts import MOST, list_of, struct_of, structs_of
 SUFFIX = ".yaml"
 STANDARD = "standard"
 """Name of the one setting of an exercise that gives none."""
+MOST_TEXTS = 300
+"""Of an exercise in another language."""
 MOST_BYTES = 200_000
 """A longer file is refused before it is read."""
 _DRAWN = "drawn"
@@ -88,6 +92,7 @@ KEYS = (
     "history",
     "survey",
     "robots",
+    "texts",
 )
 """What an exercise file may have on its top level."""
 
@@ -108,11 +113,14 @@ class ExerciseFile:
         As it stands in the file.
     settings : dict of str to Exercise
         In the order of the file, which is that of difficulty.
+    texts : dict of str to dict of str to str
+        What it says in other languages, by their codes and the English texts.
     """
 
     path: Path
     text: str
     settings: Dict[str, Exercise]
+    texts: Dict[str, Dict[str, str]]
 
     @property
     def first(self) -> Exercise:
@@ -163,7 +171,7 @@ def parse_exercise(text: str, path: Path) -> ExerciseFile:
         content = read_yaml(text, MOST_BYTES)
         require(isinstance(content, Mapping), "a struct with the key 'steps' is needed")
         digest = hashlib.sha256(text.encode("utf-8")).hexdigest()
-        return ExerciseFile(path, text, _settings(content, path, digest))
+        return ExerciseFile(path, text, _settings(content, path, digest), _texts(content))
     except ConfigError as error:
         raise ExerciseError(f"{path}: {error}") from error
 
@@ -188,7 +196,7 @@ def merged(base: Any, change: Any, key: str = "") -> Any:
 
 def _settings(content: Mapping[str, Any], path: Path, digest: str) -> Dict[str, Exercise]:
     _known_keys(content, "")
-    base = {key: value for key, value in content.items() if key != "settings"}
+    base = {key: value for key, value in content.items() if key not in ("settings", "texts")}
     changes = content.get("settings")
     if changes is None:
         return {STANDARD: _exercise(base, path, digest, (STANDARD,), STANDARD)}
@@ -212,11 +220,33 @@ def _settings(content: Mapping[str, Any], path: Path, digest: str) -> Dict[str, 
         where = f"settings[{i}] ({name})"
         try:
             _known_keys(rest, "")
-            require("settings" not in rest, "settings: a setting has none of its own")
+            for key in ("settings", "texts"):
+                require(key not in rest, f"{key}: a setting has none of its own")
             made[name] = _exercise(merged(base, rest), path, digest, tuple(names), name)
         except ConfigError as error:
             # What is wrong without the setting is not the setting's.
             raise ConfigError(str(error) if str(error) == wrong else f"{where}: {error}") from None
+    return made
+
+
+def _texts(content: Mapping[str, Any]) -> Dict[str, Dict[str, str]]:
+    made: Dict[str, Dict[str, str]] = {}
+    for language, table in struct_of(content, "texts").items():
+        where = f"texts/{language}"
+        require(
+            re.fullmatch("[a-z]{2}", language) is not None,
+            f"{where}: a language's code of two letters is needed, such as de",
+        )
+        require(isinstance(table, Mapping), f"{where}: a struct of texts by English ones is needed")
+        require(len(table) <= MOST_TEXTS, f"{where} has {len(table)} texts; {MOST_TEXTS} fit")
+        made[language] = {}
+        for english, text in table.items():
+            said = read_value(str, text, f"{where}/{str(english)[:60]}").strip()
+            require(
+                0 < len(said) <= MOST_TEXT,
+                f"{where}/{str(english)[:60]} has {len(said)} characters; 1 to {MOST_TEXT} fit",
+            )
+            made[language][" ".join(str(english).split())] = said
     return made
 
 

@@ -106,6 +106,7 @@ class TrainingNode:
         class_pages = ClassPages(self._tell_class, self._open_for_class, self._help)
         self.pages = Pages(self._library, self._folder, settings.port, self._rate, class_pages)
         self.pages.briefs.opened = self._opened
+        self.pages.briefs.texts = self._own_texts
         acts: Dict[str, Tuple[Any, Act]] = {
             "training/open": (OpenExercise, self._on_open),
             "training/start": (Trigger, lambda _: self._trigger(self._start)),
@@ -159,6 +160,7 @@ class TrainingNode:
         listed = []
         for name, path in exercises().items():
             offer = self._offer(path)
+            offer.pop("texts", None)
             listed.append(
                 TrainingExercise(name=name, best=best.get(offer.pop("own", ""), 0.0), **offer)
             )
@@ -167,7 +169,7 @@ class TrainingNode:
     def _offer(self, path: Path) -> Dict[str, Any]:
         """What the list says of an exercise's file; read again only where that has changed.
 
-        ``own`` is the name by which sheets know it.
+        ``own`` is the name by which sheets know it, ``texts`` what it says in other languages.
         """
         try:
             changed = path.stat().st_mtime_ns
@@ -186,12 +188,23 @@ class TrainingNode:
         first = file.first
         return {
             "own": first.name,
+            "texts": file.texts,
             "title": first.title,
             "description": first.description,
             "settings": list(file.settings),
             "modes": list(first.modes),
             "preview": self.pages.preview_address(path),
         }
+
+    def _own_texts(self) -> Dict[str, Dict[str, str]]:
+        """What exercises say in other languages by their own files."""
+        made: Dict[str, Dict[str, str]] = {}
+        session = self._session
+        paths = [*exercises().values(), *([] if session is None else [session.exercise.path])]
+        for path in paths:
+            for language, table in self._offer(path).get("texts", {}).items():
+                made.setdefault(language, {}).update(table)
+        return made
 
     def _on_open(self, request: Any) -> Fields:
         try:

@@ -3,11 +3,11 @@
 
 import { ask } from "../../ask.js";
 import { onClick } from "../../buttons.js";
-import { decimal, text } from "../../language.js";
+import { decimal, text, translated } from "../../language.js";
 import { all, byId, check, setText } from "../../panels.js";
 import { OVERVIEW } from "../../overview.js";
 import { BEGUN } from "../../training/client.js";
-import { Kinds } from "./kinds.js";
+import { Kinds, typeText } from "./kinds.js";
 import { PicturePointer } from "./picture_pointer.js";
 import { PlanView } from "./plan_view.js";
 import { rayDown } from "./ray.js";
@@ -126,7 +126,7 @@ export class Arranging {
       if (!this._kinds.isFilled) this._kinds.fill(listed.library);
       this._fillWhat();
     } catch (error) {
-      this._say(/** @type {Error} */ (error).message);
+      this._say(translated(/** @type {Error} */ (error).message));
     } finally {
       this._isListing = false;
     }
@@ -201,7 +201,7 @@ export class Arranging {
       else if (this._picked !== "") await this._moveTo(to);
       else if ((await this._pickAt(from)) && from !== to) await this._moveTo(to);
     } catch (error) {
-      this._refuse(/** @type {Error} */ (error).message);
+      this._refuse(translated(/** @type {Error} */ (error).message));
     } finally {
       this._isBusy = false;
     }
@@ -212,7 +212,7 @@ export class Arranging {
     const type = this._kinds.value;
     const yaw = this._yaw;
     const found = await this._call("sim/find_place", { ...ray, object: `{type: ${type}}`, yaw });
-    if (!(await this._mayChange(text("Put {name} there?", { name: type }), text("put"), false))) return;
+    if (!(await this._mayChange(text("Put {name} there?", { name: typeText(type) }), text("put"), false))) return;
     const { x, y, z } = found.pose.position;
     const numbers = [x, y, z].map((number) => number.toFixed(4)).join(", ");
     const object = `{type: ${type}, position: [${numbers}], yaw: ${yaw.toFixed(4)}}`;
@@ -256,7 +256,7 @@ export class Arranging {
     try {
       await this._take(name);
     } catch (error) {
-      this._refuse(/** @type {Error} */ (error).message);
+      this._refuse(translated(/** @type {Error} */ (error).message));
     }
   }
 
@@ -283,8 +283,8 @@ export class Arranging {
 
   /** @param {{message: string}} answer */
   _done({ message }) {
-    this._say(message);
-    this._robot.log(message);
+    this._say(translated(message));
+    this._robot.log(translated(message));
   }
 
   /**

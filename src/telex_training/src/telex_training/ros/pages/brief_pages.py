@@ -48,11 +48,14 @@ class BriefPages:
         self.pictures = GoalPictures(folder / _KEPT)
         self.opened: Callable[[], Optional[OpenTrial]] = lambda: None
         """Tells which trial is open, from any thread; None: none is."""
+        self.texts: Callable[[], Dict[str, Dict[str, str]]] = dict
+        """Tells what exercises' files say in other languages, from any thread."""
 
     def route(self, router: web.UrlDispatcher, prefix: str) -> None:
         """Answer under the addresses below `prefix`."""
         self._prefix = prefix
         router.add_get(f"{prefix}/api/brief/{{trial}}", self._brief)
+        router.add_get(f"{prefix}/api/texts", self._texts)
         router.add_get(f"{prefix}/api/goal/{{trial}}.jpg", self._goal)
         router.add_get(f"{prefix}/preview/{{name}}.jpg", self._preview)
 
@@ -70,6 +73,9 @@ class BriefPages:
             brief["best"] = await aside(self._best, opened)
         brief["picture"] = f"{self._prefix}/api/goal/{opened.trial}.jpg"
         return web.json_response(brief)
+
+    async def _texts(self, _request: web.Request) -> web.Response:
+        return web.json_response(await aside(self.texts))
 
     def _best(self, opened: OpenTrial) -> Optional[float]:
         exercise = opened.exercise

@@ -2,26 +2,36 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import re
 from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+import yaml
 
+from telex_sim.scene.library import object_types
+from telex_sim.scene.type_texts import summary
 from telex_teleop.actions.vocabulary import Vocabulary
+from telex_training.briefing import words
+from telex_training.briefing.texts import exercise_texts
+from telex_training.exercises.exercise_file import load_exercise
 
-SRC = Path(__file__).resolve().parents[3]
+SRC = Path(__file__).resolve().parents[1] / "src"
 CONSOLE = SRC / "telex_teleop/console"
 LANGUAGE = CONSOLE / "js/language"
 PAGES = (CONSOLE, SRC / "telex_training/pages")
 LANGUAGES = sorted(path.stem for path in LANGUAGE.glob("??.js"))
 STRING = r'"(?:[^"\\]|\\.)*"'
-ATTRIBUTES = ("title", "aria-label", "placeholder", "alt")
+ATTRIBUTES = ("title", "aria-label", "placeholder", "alt", "label")
 
 # Names of the product and of a language's code, and what `language/page.js` leaves alone.
 AS_THEY_ARE = {"TELEX", "EN"}
-UNTRANSLATED = ("script", "style", "kbd")
+UNTRANSLATED = ("script", "style")
+
+# Types of objects that the instructor's page does not offer.
+MADE_OF_PARAMETERS = ("custom", "mesh")
 
 
 class Markup(HTMLParser):
@@ -33,7 +43,7 @@ class Markup(HTMLParser):
         self._inside = []
 
     def handle_starttag(self, tag, attrs):
-        if tag in UNTRANSLATED:
+        if tag in UNTRANSLATED or "data-binding" in dict(attrs):
             self._inside.append(tag)
         self.found += [value for name, value in attrs if name in ATTRIBUTES and value]
 
@@ -85,9 +95,58 @@ def said_by_actions():
     return found
 
 
+def said_by_conditions():
+    """Return the sentences that briefs make of conditions."""
+    tree = ast.parse(Path(words.__file__).read_text())
+    skipped = {
+        id(part)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.JoinedStr)
+        for part in node.values
+    }
+    skipped |= {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+    texts = [
+        node.value
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Constant)
+        and isinstance(node.value, str)
+        and id(node) not in skipped
+    ]
+    return {text for text in texts if " " in text or "{" in text}
+
+
+def said_by_files():
+    """Return what shipped exercises, courses and scenes say, and which of them says it."""
+    found = {}
+    for path in sorted((SRC / "telex_training/exercises").glob("*.yaml")):
+        for exercise in load_exercise(path).settings.values():
+            found.update((each, f"exercise {path.stem}") for each in exercise_texts(exercise))
+    for path in sorted((SRC / "telex_training/curricula").glob("*.yaml")):
+        course = yaml.safe_load(path.read_text())
+        names = [course["title"], *(module["name"] for module in course["modules"])]
+        found.update((each, f"curriculum {path.stem}") for each in names)
+    for path in sorted((SRC / "telex_sim/scenes").glob("*.yaml")):
+        scene = yaml.safe_load(path.read_text())
+        found.update((each, f"scene {path.stem}") for each in (scene["name"], scene["description"]))
+    for name, kind in object_types().items():
+        group = kind.__module__.split(".")[-2]
+        if name not in MADE_OF_PARAMETERS:
+            label = f"{name.replace('_', ' ')}|type"
+            found.update(
+                (each, f"type {name}") for each in (label, f"{group}|group", summary(kind))
+            )
+    # Marks that stand on objects, such as S1, are the same in every language.
+    return {
+        each: whose
+        for each, whose in found.items()
+        if re.search(r"[a-z]", re.sub(r"\{\w+\}", "", each.split("|")[0]))
+    }
+
+
 def table(language):
-    """Return a table of translations, whose file is JSON but for its frame and its comments."""
-    source = (LANGUAGE / f"{language}.js").read_text()
+    """Return a table of translations, whose files are JSON but for their frames and comments."""
+    files = (f"{language}.js", f"exercises_{language}.js")
+    source = "".join((LANGUAGE / file).read_text() for file in files)
     lines = re.findall(rf"^  ({STRING}): ({STRING}),$", source, re.M)
     pairs = [(json.loads(key), json.loads(value)) for key, value in lines]
     assert len(lines) == sum(line.startswith('  "') for line in source.splitlines())
@@ -96,14 +155,22 @@ def table(language):
 
 
 @pytest.fixture(scope="module")
-def said():
-    everything = said_by_code() | said_by_markup() | said_by_actions()
+def files():
+    return said_by_files()
+
+
+@pytest.fixture(scope="module")
+def said(files):
+    everything = said_by_code() | said_by_markup() | said_by_actions() | said_by_conditions()
+    everything |= set(files)
     return {each for each in everything if re.search(r"[^\W\d_]", re.sub(r"\{\w+\}", "", each))}
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_a_language_has_all_that_is_said_and_nothing_else(language, said):
+def test_a_language_has_all_that_is_said_and_nothing_else(language, said, files):
     there = set(table(language))
+    lacking = sorted(f"{whose}: {each!r}" for each, whose in files.items() if each not in there)
+    assert not lacking, f"language/exercises_{language}.js lacks:\n" + "\n".join(lacking)
     assert sorted(said - there) == [], f"language/{language}.js lacks them"
     assert sorted(there - said) == [], f"nobody says them: take them out of language/{language}.js"
 

@@ -1,0 +1,49 @@
+// @ts-check
+/** What exercises say, in the language that is shown. */
+
+import { addTexts, decimal, term, text, translated } from "../language.js";
+
+/** Bring what the station's exercises say in other languages by their own files. @param {string} address */
+export async function bringTexts(address) {
+  try {
+    const reply = await fetch(address, { cache: "no-store" });
+    if (reply.ok) addTexts(await reply.json());
+  } catch {
+    // They are said in English then.
+  }
+}
+
+/**
+ * A sentence in parts: English with values in braces. What follows a bar is not said, and tells apart what other languages say in other words.
+ * @typedef {{english: string, values: Record<string, any>}} Told  A value is a number, a text, or told itself.
+ */
+
+/** @param {Told} sentence @returns {string} */
+export function told({ english, values }) {
+  const say = (/** @type {any} */ value) => (typeof value === "number" ? decimal(value, 4, 0) : typeof value === "string" ? text(value) : told(value));
+  return text(english, Object.fromEntries(Object.entries(values).map(([name, value]) => [name, say(value)])));
+}
+
+/** What a metric measures, and of which object or robot. @param {string} sentence @returns {string} */
+export function metricText(sentence) {
+  const cut = sentence.lastIndexOf(", ");
+  const whole = translated(sentence);
+  if (whole !== sentence || cut < 0) return whole;
+  return `${metricText(sentence.slice(0, cut))}, ${text(`${sentence.slice(cut + 2)}|name`)}`;
+}
+
+/** Where the ring of a chart is open. */
+const DIRECTIONS = [
+  term("right|choice"), term("up right|choice"), term("up|choice"), term("up left|choice"), term("left|choice"), term("down left|choice"),
+  term("down|choice"), term("down right|choice"),
+];
+
+/** @param {string} choice  An answer to a question. */
+export const choiceText = (choice) => text(`${choice}|choice`);
+
+/** What somebody has typed, with the directions in it as the judge knows them. @param {string} words */
+export function answerOf(words) {
+  const plain = (/** @type {string} */ part) => part.replaceAll("\u2060", "").trim().toLowerCase();
+  const known = (/** @type {string} */ part) => DIRECTIONS.find((each) => plain(text(each)) === plain(part))?.split("|")[0];
+  return words.split(/[,;]/).map((part) => known(part) ?? part.trim()).join(", ");
+}
