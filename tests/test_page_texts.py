@@ -17,6 +17,7 @@ from telex_teleop.actions.vocabulary import Vocabulary
 from telex_training.briefing import words
 from telex_training.briefing.texts import exercise_texts
 from telex_training.exercises.exercise_file import load_exercise
+from telex_training.judging.records import aids
 
 SRC = Path(__file__).resolve().parents[1] / "src"
 CONSOLE = SRC / "telex_teleop/console"
@@ -29,6 +30,36 @@ ATTRIBUTES = ("title", "aria-label", "placeholder", "alt", "label")
 # Names of the product and of a language's code, and what `language/page.js` leaves alone.
 AS_THEY_ARE = {"TELEX", "EN"}
 UNTRANSLATED = ("script", "style")
+
+# Modules whose sentences people read on the pages, and to what they give them.
+SPEAKERS = (
+    "telex_training/src/telex_training/judging/judge.py",
+    "telex_training/src/telex_training/ros/apparatus.py",
+    "telex_training/src/telex_training/ros/exam/exam_list.py",
+    "telex_training/src/telex_training/ros/session.py",
+    "telex_training/src/telex_training/ros/texts.py",
+    "telex_training/src/telex_training/ros/training_node.py",
+    "telex_training/src/telex_training/ros/trial/bookmarks.py",
+    "telex_sim/src/telex_sim/ros/arranging.py",
+    "telex_sim/src/telex_sim/ros/simulator_node.py",
+    "telex_teleop/src/telex_teleop/arm/arm_teleop.py",
+    "telex_teleop/src/telex_teleop/arm/tool_slowdown.py",
+    "telex_teleop/src/telex_teleop/motion/teleop_core.py",
+    "telex_teleop/src/telex_teleop/web/bridge/clients/control.py",
+    "telex_teleop/src/telex_teleop/web/bridge/topics/commands.py",
+)
+TOLD_BY = (
+    "ApparatusError",
+    "CommandOverdueError",
+    "CommandRefusedError",
+    "CommandUncertainError",
+    "ControlError",
+    "ExamListError",
+    "ModeError",
+    "SessionError",
+    "_invalidate",
+    "_refuse",
+)
 
 # Types of objects that the instructor's page does not offer.
 MADE_OF_PARAMETERS = ("custom", "mesh")
@@ -128,6 +159,9 @@ def said_by_files():
     for path in sorted((SRC / "telex_sim/scenes").glob("*.yaml")):
         scene = yaml.safe_load(path.read_text())
         found.update((each, f"scene {path.stem}") for each in (scene["name"], scene["description"]))
+    found.update((each, "aid of a sheet") for each in aids.WORDS.values())
+    presets = yaml.safe_load((SRC / "telex_teleop/config/flipper_presets.yaml").read_text())
+    found.update((each["description"], f"preset {each['name']}") for each in presets["presets"])
     for name, kind in object_types().items():
         group = kind.__module__.split(".")[-2]
         if name not in MADE_OF_PARAMETERS:
@@ -141,6 +175,29 @@ def said_by_files():
         for each, whose in found.items()
         if re.search(r"[a-z]", re.sub(r"\{\w+\}", "", each.split("|")[0]))
     }
+
+
+def said_by_module(path):
+    """Yield the sentences that a module tells, with {} for values."""
+
+    def form(node):
+        if isinstance(node, ast.JoinedStr):
+            parts = (part.value if isinstance(part, ast.Constant) else "{}" for part in node.values)
+            return "".join(parts)
+        return node.value if isinstance(getattr(node, "value", None), str) else ""
+
+    def names(nodes):
+        return {getattr(node, "attr", getattr(node, "id", "")) for node in nodes}
+
+    for node in ast.walk(ast.parse((SRC / path).read_text())):
+        if isinstance(node, ast.Call):
+            told = list(node.args) if names([node.func]) & set(TOLD_BY) else []
+            told += [word.value for word in node.keywords if word.arg == "message"]
+        elif isinstance(node, ast.Assign) and names(node.targets) & {"message", "_message"}:
+            told = [node.value]
+        else:
+            continue
+        yield from (form(each) for each in told)
 
 
 def table(language):
@@ -173,6 +230,19 @@ def test_a_language_has_all_that_is_said_and_nothing_else(language, said, files)
     assert not lacking, f"language/exercises_{language}.js lacks:\n" + "\n".join(lacking)
     assert sorted(said - there) == [], f"language/{language}.js lacks them"
     assert sorted(there - said) == [], f"nobody says them: take them out of language/{language}.js"
+
+
+@pytest.mark.parametrize("path", SPEAKERS)
+def test_what_a_node_tells_people_is_in_the_tables(path):
+    known = {re.sub(r"\{\w+\}", "{}", each) for each in table(LANGUAGES[0])}
+
+    def is_known(form):
+        plain = re.search(r"[a-z]{3}", form) is None or re.fullmatch(r"[\w.]+", form)
+        parts = re.split("; |: ", form, maxsplit=1)
+        return plain or form in known or (len(parts) > 1 and all(map(is_known, parts)))
+
+    lacking = [form for form in said_by_module(path) if not is_known(form)]
+    assert not lacking, "language/words.js and the tables lack:\n" + "\n".join(lacking)
 
 
 @pytest.mark.parametrize("language", LANGUAGES)

@@ -265,7 +265,7 @@ export class Panels {
   showPresets(names, descriptions) {
     this._presets.forEach((button, index) => {
       button.hidden = index >= names.length;
-      button.title = descriptions[index] ?? "";
+      button.title = translated(descriptions[index] ?? "");
       /** @type {Text} */ (button.lastChild).data = translated(names[index] ?? "");
     });
   }

@@ -12,7 +12,7 @@ Object.defineProperty(globalThis, "location", { value: { search: "?lang=de" }, c
 Object.defineProperty(globalThis, "localStorage", { value: new FakeStorage({}), configurable: true });
 Object.defineProperty(globalThis, "navigator", { value: {}, configurable: true });
 const { addTexts, translated } = await import("../../console/js/language.js");
-const { answerOf, choiceText, metricText, told } = await import("../../console/js/language/exercise.js");
+const { answerOf, choiceText, metricText, told, zonesOf } = await import("../../console/js/language/exercise.js");
 const seen = (/** @type {string} */ words) => words.replaceAll("\u2060", "");
 
 test("a condition is declined, and its figures are written, as the language does", () => {
@@ -25,6 +25,12 @@ test("what no table has is said as its file has it", () => {
   assert.equal(seen(told(inside)), "the crane ist in „dock“");
   assert.equal(seen(metricText("largest 20 ms mean of the force, crane")), "größtes 20-ms-Mittel der Kraft, crane");
   assert.equal(seen(choiceText("seven")), "seven");
+});
+
+test("names in a picture of the goal are told beside those of the language", () => {
+  const inside = (/** @type {string} */ zone) => ({ english: "{what} is in '{zone}'", values: { what: "the robot", zone: `${zone}|zone` } });
+  assert.equal(zonesOf([{ english: "{clause} for {seconds} s", values: { clause: inside("target"), seconds: 1 } }, inside("start"), inside("target")]), " target = Ziel, start = Start");
+  assert.equal(zonesOf([inside("dock")]), "");
 });
 
 test("a metric's own commas are none before an object", () => {

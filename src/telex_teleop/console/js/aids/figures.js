@@ -1,7 +1,7 @@
 // @ts-check
 /** What each aid draws into a picture, as figures that tell by shape and words what they tell by colour. */
 
-import { text } from "../language.js";
+import { decimal, text } from "../language.js";
 import { fixed } from "../panels.js";
 import { guideLines, horizon, plus } from "./lines.js";
 
@@ -52,7 +52,7 @@ export function guideFigures(sight, gear, floor) {
     const end = sight.place(rung[way > 0 ? 1 : 0]) ?? sight.place(plus(rung[0], plus(rung[1], rung[0], -1), 0.5));
     return [
       { kind: /** @type {const} */ ("lines"), lines, ...style },
-      ...(end === null ? [] : [label([end[0] + 6, end[1]], text("{length} m", { length: distance }), "left")]),
+      ...(end === null ? [] : [label([end[0] + 6, end[1]], text("{length} m", { length: decimal(distance, 2, 0) }), "left")]),
     ];
   }));
 }

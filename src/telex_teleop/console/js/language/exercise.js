@@ -24,6 +24,16 @@ export function told({ english, values }) {
   return text(english, Object.fromEntries(Object.entries(values).map(([name, value]) => [name, say(value)])));
 }
 
+/** The texts among a sentence's values. @param {Told} sentence @returns {string[]} */
+const textsIn = ({ values }) => Object.values(values).flatMap((value) => (typeof value === "string" ? [value] : typeof value === "number" ? [] : textsIn(value)));
+
+/** What the zones of sentences are called, beside their names in pictures; empty in English. @param {Told[]} sentences */
+export function zonesOf(sentences) {
+  const zones = [...new Set(sentences.flatMap(textsIn))].filter((value) => value.endsWith("|zone"));
+  const named = zones.map((zone) => [zone.split("|")[0], text(zone).replaceAll("\u2060", "")]).filter(([name, own]) => name !== own);
+  return named.map(([name, own]) => ` ${name} = ${own}`).join(",");
+}
+
 /** What a metric measures, and of which object or robot. @param {string} sentence @returns {string} */
 export function metricText(sentence) {
   const cut = sentence.lastIndexOf(", ");

@@ -431,7 +431,7 @@ export const EXERCISES_DE = {
   "{what} is latched": "{what} ist eingerastet",
   "{what} is unlatched": "{what} ist nicht eingerastet",
   "the gripper holds {what}": "der Greifer hält {what}",
-  "the gripper does not hold {what}": "der Greifer hält nicht {what}",
+  "the gripper does not hold {what}": "der Greifer hält {what} nicht",
   "the gripper holds something": "der Greifer hält etwas",
   "the gripper does not hold anything": "der Greifer hält nichts",
   "{clause} with more than {force} N": "{clause} mit mehr als {force} N",

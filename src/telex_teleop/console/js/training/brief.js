@@ -3,7 +3,7 @@
 
 import { onClick } from "../buttons.js";
 import { decimal, onLanguage, text, translated } from "../language.js";
-import { bringTexts, metricText, told } from "../language/exercise.js";
+import { bringTexts, metricText, told, zonesOf } from "../language/exercise.js";
 import { byId, element, keyCap, rowsOf, setText } from "../panels.js";
 import { TEXTS, addressOf, clockText } from "./client.js";
 
@@ -121,6 +121,7 @@ export class ExerciseBrief {
     setText(byId("brief-title"), [translated(brief.title), brief.setting === "standard" ? "" : translated(brief.setting), brief.mode === "exam" ? text("EXAM") : ""].filter(Boolean).join(" · "));
     setText(byId("brief-description"), translated(brief.description));
     this._caption = brief.mode === "exam" ? text("As in practice: in an exam things stand elsewhere.") : text("Names and outlines are not to be seen on the robot's cameras.");
+    this._caption += zonesOf([brief.begins, ...brief.steps.map(({ until }) => until), ...[...brief.faults, ...brief.penalties].map(({ when }) => when)]);
     setText(byId("brief-caption"), text("the picture is being drawn …"));
     this._picture.src = addressOf(brief.picture, this._given);
     setText(byId("brief-task"), brief.any_order ? text("Task, in any order") : text("Task, in this order"));
@@ -220,7 +221,7 @@ export function timesOf({ repetitions: { most, least, time, trial_time: trial },
   if (trial > 0) rows.push([text("trial"), text("{limit} at most", { limit: clockText(trial) })]);
   rows.push([text("your best"), best === null ? text("none in this setting yet") : `${decimal(best, 1)} s`]);
   if (expert !== null) {
-    const sees = expert.sees === "" ? "" : text(", which knows {what}", { what: expert.sees });
+    const sees = expert.sees === "" ? "" : text(", which knows {what}", { what: translated(expert.sees) });
     rows.push([text("expert"), `${decimal(expert.seconds, 4, 0)} s${expert.provisional ? text("; provisional, by a script{sees}", { sees }) : ""}`]);
   }
   return rows;
