@@ -82,6 +82,12 @@ def test_the_brief_is_that_of_the_open_trial(station):
     assert station.get("/api/brief/t1", "ann") == (404, b"This trial is not open.\n")
 
 
+def test_what_exercises_say_in_other_languages_is_told_to_everybody(station):
+    assert json.loads(station.get("/api/texts")[1]) == {}
+    station.pages.briefs.texts = lambda: {"de": {"go": "los"}}
+    assert json.loads(station.get("/api/texts", "ann")[1]) == {"de": {"go": "los"}}
+
+
 def test_ones_best_in_this_setting_is_told_to_oneself_and_to_instructors(station):
     def best(*who):
         return json.loads(station.get("/api/brief/t1", *who)[1])["best"]

@@ -10,6 +10,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
+from telex_training.briefing.texts import unsaid
 from telex_training.exercises.catalog import exercises, find_exercise
 from telex_training.exercises.exercise_file import ExerciseError, load_exercise, parse_exercise
 from telex_training.exercises.model import Failure, LineLink
@@ -188,11 +189,33 @@ history: {arm: 40}
         ),
         (LEAST + "questions: [{name: a, ask: ''}]", "ask is ''"),
         (LEAST + "title: " + "x" * 100, "title is"),
+        (LEAST + "texts: {german: {go: los}}", "texts/german: a language's code of two letters"),
+        (LEAST + "texts: {de: [los]}", "texts/de: a struct of texts by English ones"),
+        (LEAST + "texts: {de: {go: 3}}", "texts/de/go is 3; a string is needed"),
+        (LEAST + "texts: {de: {go: ' '}}", "texts/de/go has 0 characters; 1 to 2000 fit"),
+        (LEAST + "settings: [{name: a, texts: {}}]", "settings[0] (a): texts: a setting has none"),
         ("x" * 300_000, "it has 300000 bytes; at most 200000 are read"),
     ],
 )
 def test_a_mistake_is_named(text, said):
     assert said in refusal(text)
+
+
+def test_what_it_says_in_other_languages_is_found_by_what_it_says():
+    file = read(
+        LEAST
+        + """
+title: Drive to  the goal
+texts:
+  de: {go: los, Drive to the goal: "Zum Ziel", "goal|zone": Ziel, go there: dorthin}
+  fr: {the robot: robot}
+"""
+    )
+    assert file.texts["de"]["Drive to the goal"] == "Zum Ziel"
+    assert [str(each) for each in unsaid(file)] == [
+        "texts/de: 'go there' is nothing that the exercise says"
+    ]
+    assert read(LEAST).texts == {}
 
 
 def test_a_mistake_in_what_settings_share_is_not_laid_to_them():
