@@ -16,7 +16,9 @@ def exercise_texts(exercise: Exercise) -> Iterator[str]:
     What follows a bar tells apart what other languages say in other words, as in `words.Said`.
     """
     yield from (exercise.title, exercise.description, exercise.setting, exercise.expert.sees)
-    yield from (each.name for each in (*exercise.steps, *exercise.faults, *exercise.penalties))
+    yield from (step.name for step in exercise.steps)
+    yield from (fault.name for fault in exercise.faults)
+    yield from (penalty.name for penalty in exercise.penalties)
     yield from (hint.text for hint in exercise.hints)
     for question in exercise.questions:
         yield question.ask
