@@ -177,11 +177,12 @@ PLAYED = """
     window.answer = {success: true, message: ""};
     const topic = (name) => `/telex/${name}`;
     const say = (sentence) => window.said.push(sentence);
-    return Promise.all(["exam_list", "malfunction_panel"].map(
-      (name) => import(`/js/instructor/${name}.js`),
-    )).then(([exam, malfunction]) => {
-      window.list = new exam.ExamList(bridge, topic, say, say);
-      window.malfunctions = new malfunction.MalfunctionPanel(bridge, topic, say, say);
+    return Promise.all(["robot_client", "instructor/exam_list", "instructor/malfunction_panel"].map(
+      (name) => import(`/js/${name}.js`),
+    )).then(([client, exam, malfunction]) => {
+      const robot = new client.RobotClient(bridge, topic, say, say);
+      window.list = new exam.ExamList(robot);
+      window.malfunctions = new malfunction.MalfunctionPanel(robot);
       window.list.subscribe();
       window.malfunctions.subscribe();
       return true;
