@@ -352,8 +352,12 @@ def test_what_fails_silently_is_told_to_nobody_before_the_end(breaking, simulato
     tell = partial(trial.feed, "sim/malfunctions", "telex_msgs/Malfunctions")
     tell(serialized(failures(thrown)))
     trial.feed("e_stop", "std_msgs/Bool", serialized(Bool(True)))
-    record = session._judge._malfunctions
-    wait_until(lambda: record.episodes and record.episodes[0].stopped, "the reaction", 10.0)
+
+    def reacted():
+        failed = session._judge.sheet()["malfunctions"]
+        return failed and failed[0]["e_stop"] is not None
+
+    wait_until(reacted, "the reaction", 10.0)
     after = session.state()
     assert {key for key in after if after[key] != before[key]} <= {"elapsed", "trial_elapsed"}
     assert told.events == []

@@ -107,7 +107,7 @@ def test_texts_come_from_the_declarations():
     ]
 
 
-@pytest.mark.parametrize("name", sorted(set(object_types()) - {"custom"}))
+@pytest.mark.parametrize("name", sorted(object_types()))
 def test_every_type_declares_its_parameters(name):
     kind = object_types()[name]
     assert issubclass(kind, Declared)

@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Tuple
 
 import pytest
 
-from telex_control.common.params import required
+from telex_control.common.params import parameter, required
 from telex_sim.scene.command_line import main
 from telex_sim.scene.library import object_types
 from telex_sim.scene.library.object_type import ObjectType
@@ -103,48 +103,33 @@ def test_types_lists_all_and_explains_one(capsys):
     assert "there is no type 'dragon'; there are: " in capsys.readouterr().err
 
 
-def test_texts_of_types_come_from_their_documentation():
-    @dataclass(frozen=True)
-    class Inner:
-        a: float = 1.0
+@dataclass(frozen=True)
+class Inner:
+    a: float = 1.0
 
-    @dataclass(frozen=True)
-    class Base(ObjectType):
-        """Base.
 
-        Attributes
-        ----------
-        mass : float
-            kg.
-        """
+@dataclass(frozen=True)
+class Base(ObjectType):
+    mass: float = parameter(2.5, "kg.")
 
-        mass: float = 2.5
 
-    @dataclass(frozen=True)
-    class Derived(Base):
-        """Derived.
+@dataclass(frozen=True)
+class Derived(Base):
+    """Derived.
 
-        Attributes
-        ----------
-        wide, deep : float
-            Of the thing (m),
-            outside.
-        tags : tuple of str
-            Names.
-        inner : Inner
-            More.
-        """
+    And more of it.
+    """
 
-        wide: float = field(default_factory=required)
-        deep: float = 0.5
-        tags: Tuple[str, ...] = ("a", "b")
-        inner: Inner = field(default_factory=Inner)
+    wide: float = parameter(required, "Of the thing (m).")
+    tags: Tuple[str, ...] = parameter(("a", "b"), "Names.")
+    inner: Inner = parameter(Inner, "More.")
 
+
+def test_texts_of_types_come_from_their_declarations():
     assert summary(Derived) == "Derived."
     assert parameters(Derived) == [
         ("mass", "2.5", "float. kg."),
-        ("wide", "required", "float. Of the thing (m), outside."),
-        ("deep", "0.5", "float. Of the thing (m), outside."),
+        ("wide", "required", "float. Of the thing (m)."),
         ("tags", "[a, b]", "tuple of str. Names."),
         ("inner", "{a: 1}", "Inner. More."),
     ]

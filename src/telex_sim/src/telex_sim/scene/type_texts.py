@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
-import re
-from typing import Any, Dict, List, Tuple, Type, Union, get_type_hints
+from typing import Any, List, Tuple, Type, Union, get_type_hints
 
 from telex_control.common.params import required
 
 from .library.object_type import ObjectType
 from .library.parameters import meaning
-
-_FIELD = re.compile(r"(\w+(?:, \w+)*) : (.+)")
 
 
 def summary(kind: Type[ObjectType]) -> str:
@@ -21,25 +18,12 @@ def summary(kind: Type[ObjectType]) -> str:
 
 
 def parameters(kind: Type[ObjectType]) -> List[Tuple[str, str, str]]:
-    """Name, default and meaning of every parameter.
-
-    Parameters
-    ----------
-    kind : type
-        Its fields are declared by the functions of `telex_sim.scene.library.parameters`; the
-        meaning of others stands in the section ``Attributes`` of its documentation, of its own or
-        inherited.
-    """
-    documented: Dict[str, str] = {}
-    for base in reversed(kind.__mro__):
-        documented.update(_attributes(inspect.cleandoc(base.__doc__ or "")))
-    texts = []
-    for field in dataclasses.fields(kind):  # type: ignore[arg-type]
-        text = documented.get(field.name, "")
-        if meaning(field):
-            text = f"{_type_name(get_type_hints(kind)[field.name])}. {meaning(field)}"
-        texts.append((field.name, _default(field), text))
-    return texts
+    """Name, default and meaning of every parameter, as they are declared."""
+    hints = get_type_hints(kind)
+    return [
+        (each.name, _default(each), f"{_type_name(hints[each.name])}. {meaning(each)}")
+        for each in dataclasses.fields(kind)  # type: ignore[arg-type]
+    ]
 
 
 def _type_name(hint: Any) -> str:
@@ -80,23 +64,3 @@ def _yaml(value: Any) -> str:
     if value is None:
         return "none"
     return value if isinstance(value, str) and value else repr(value)
-
-
-def _attributes(doc: str) -> Dict[str, str]:
-    """The section ``Attributes`` of a numpydoc text: kind and meaning by name."""
-    _, found, section = doc.partition("Attributes\n----------\n")
-    if not found:
-        return {}
-    texts: Dict[str, str] = {}
-    names: List[str] = []
-    for line in section.splitlines():
-        match = _FIELD.fullmatch(line)
-        if match:
-            names = match[1].split(", ")
-            texts.update(dict.fromkeys(names, match[2] + "."))
-        elif line.startswith("    ") and names:
-            for name in names:
-                texts[name] += " " + line.strip()
-        elif line.startswith("---"):
-            break
-    return texts

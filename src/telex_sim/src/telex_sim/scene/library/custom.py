@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Optional, Tuple
 
 from telex_control.common.geometry.quaternions import quaternion_from_rpy
-from telex_control.common.params import ConfigError, require, required
+from telex_control.common.params import ConfigError, parameter, require, required
 
 from ..addresses import absolute
 from ..model import (
@@ -196,21 +196,14 @@ class CustomJoint:
 
 @dataclass(frozen=True)
 class Custom(ObjectType):
-    """Any object, described by its links and joints.
+    """Any object, described by its links and joints."""
 
-    Attributes
-    ----------
-    links : list of CustomLink
-        The first is the root: {name, mass, friction, rolling_friction, source, parts}.
-    joints : list of CustomJoint
-        One for each further link.
-    static : bool
-        Whether the root stands fast.
-    """
-
-    links: Tuple[CustomLink, ...] = field(default_factory=required)
-    joints: Tuple[CustomJoint, ...] = ()
-    static: bool = False
+    links: Tuple[CustomLink, ...] = parameter(
+        required,
+        "The first is the root: {name, mass, friction, rolling_friction, source, parts}.",
+    )
+    joints: Tuple[CustomJoint, ...] = parameter((), "One for each further link.")
+    static: bool = parameter(False, "Whether the root stands fast.")
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make the object."""
