@@ -15,7 +15,7 @@ from telex_control.common.stateful import Stateful
 from telex_control.manager.controller_manager import ControllerManager
 from telex_control.ros.node_handle import NodeHandle
 from telex_control.urdf.checks import check_bodies, check_links
-from telex_control.urdf.joints import joints
+from telex_control.urdf.joints import CONTINUOUS, joints
 from telex_control.urdf.model import Robot as DescribedRobot
 from telex_control.urdf.model import read_xml, robot_of
 
@@ -29,7 +29,6 @@ from ..truth.ledger import ContactLedger
 from .body import RobotBody
 from .drives import DriveMode
 from .gripper.contact import GripperContacts
-from .link_surfaces import wheels
 from .robot_hw_sim import RobotHWSim
 from .urdf.masses import complete_masses
 
@@ -147,7 +146,7 @@ class Robot:
         config.self_collision.check_links(links)
         self.equipment = config.equipment.present(links)
         self.links = tuple(links)
-        self._wheels = wheels(robot)
+        self._rolling = [each.child for each in robot.joints if each.type == CONTINUOUS]
         self.has_pads = config.gripper_contact.present(links, config.hardware.optional_links)
         # What was asked for last, and how often a stop was: each one is obeyed for a cycle at
         # least, even if its release follows at once.
@@ -237,11 +236,11 @@ class Robot:
         self._positions = positions
 
     def surface(self) -> str:
-        """What its belts run on, or its wheels where it has no belts; see `surface_under`."""
+        """What its belts run on, without belts what turns without an end; see `surface_under`."""
         body = self.body
         if self.config.tracks.belts:
             return self.tracks.surface()
-        links = {body.links[name] for name in self._wheels if name in body.links}
+        links = {body.links[name] for name in self._rolling if name in body.links}
         contacts = pybullet.getContactPoints(body.uid, physicsClientId=body.client)
         under = (each for each in contacts if each[3] in links and each[2] != body.uid)
         return surface_under(under, self._material_of)
