@@ -26,7 +26,12 @@ from .still import looking
 SIZE = (112, 84)
 """Of a picture (pixels)."""
 _JPEG_QUALITY = 80
-_FOV = 0.6
+_FLOOR = [0.22, 0.27, 0.32, 1.0]
+"""Colour that what is white, of steel or black is seen on."""
+_FOV, _WIDE = 0.6, 1.1
+"""Full widths of view (rad): of what is large, from nearer, for there is haze."""
+_LARGE = 6.0
+"""Radius from which on something is large (m)."""
 _NEAR, _FAR = 0.02, 300.0
 _ROBOT_AT = -60.0
 """Where the robot starts along x, out of the picture (m)."""
@@ -52,11 +57,12 @@ def object_picture(kind: str, folder: Path) -> np.ndarray:
     SceneError, ConfigError, WorldError, NoContextError, PreviewError
     """
     path = folder / f"{kind}.yaml"
-    scene = {"start": {"x": _ROBOT_AT}, "objects": [{"type": kind}]}
+    floor = {"surface": {"color": _FLOOR, "texture": ""}}
+    scene = {"floor": floor, "start": {"x": _ROBOT_AT}, "objects": [{"type": kind}]}
     path.write_text(yaml.safe_dump(scene), encoding="utf-8")
     subject = settled(str(path)).without_robot()
     width, height = SIZE
-    view = framed(subject, _FOV, width / height)
+    view = framed(subject, _WIDE if subject.extent()[1] > _LARGE else _FOV, width / height)
     camera = PinholeCamera(width, height, view.fov, _NEAR, _FAR)
     return photograph(subject, camera, looking(view.eye, view.target))
 
