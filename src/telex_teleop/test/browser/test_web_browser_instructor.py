@@ -375,10 +375,10 @@ def note(page):
 
 def test_objects_are_put_moved_and_taken_on_the_map_by_keys(scene, page):
     page.element('[data-tool="put"]').click()
-    crate = page.element("#arrange-kinds [value=crate]")
-    wait_until(lambda: crate.get_property("checked"))
+    chosen = "return document.querySelector('#arrange-kinds :checked')?.value"
+    wait_until(lambda: page.script(chosen) == "crate")
     assert page.script("return document.querySelector('#arrange-kinds img').naturalWidth") == 1
-    crate.press("ArrowRight")
+    page.element("#arrange-kinds [value=crate]").press("ArrowRight")
     assert page.element("#arrange-kinds [value=cone]").get_property("checked")
     assert note(page) == "A traffic cone."
     turn = page.element("#arrange-turn")
