@@ -12,6 +12,8 @@ import pytest
 import simplejpeg
 from own_ros import NodeProcess, Topics
 from replay_drill import drill, failing, record, record_faster
+from telex_msgs.msg import SceneLight
+from training_truth import serialized
 from waiting import wait_until
 
 from telex_training.recording.trial_file import EXPERTS, expert_path
@@ -76,6 +78,10 @@ def station(master, tmp_path_factory):
     (folder / EXPERTS).mkdir()
     record(folder / "t1.mcap", drill().entries)
     record(folder / "t3.mcap", failing(drill()).entries)
+    dark = drill()
+    dark.feed("sim/light", "telex_msgs/SceneLight", serialized(SceneLight(0.02, 1.0)))
+    dark.seconds(1.0)
+    record(folder / "t4.mcap", dark.entries)
     record_faster(folder / "t9.mcap")
     record_faster(expert_path(folder, "drill", "standard"))
     (folder / "broken.mcap").write_bytes(b"no recording")
@@ -198,6 +204,15 @@ class TestPages:
             assert "front sends nothing" in headers["X-Replay-Silent"]
             assert light(seen(seconds, "")) > 0.8 * bright
         assert light(seen(5.5)) > 0.8 * bright
+
+    def test_it_is_night_from_when_somebody_made_it_so(self, station):
+        end = Replay.open(station.folder / "t4.mcap", {}).timeline.duration
+        day, night, again = (
+            station.ask(f"api/picture/t4?time={time}&camera=front", name="ann")[1]
+            for time in (end - 1.5, end, end - 1.5)
+        )
+        assert simplejpeg.decode_jpeg(night).mean() < 0.5 * simplejpeg.decode_jpeg(day).mean()
+        assert again == day
 
     def test_other_runs_are_drawn_beside_it(self, station):
         status, body, _ = station.ask("api/ghosts/t1", name="ann")
