@@ -58,22 +58,24 @@ begin() {
   local name="$1" started=$SECONDS
   shift
   (
+    # Tests in wall time are not to be held up by it; --fast has none of them.
+    [ -n "$fast" ] || renice -n 10 "$BASHPID" >/dev/null
     "$@" >"$folder/$name.out" 2>&1
     printf '%s %s\n' $? $((SECONDS - started)) >"$folder/$name.end"
   ) &
   pids[$name]=$!
 }
 
-# end NAME TITLE: waits for it, and prints what it said and how it went.
+# end NAME TITLE: waits for it, and prints how it went; what it said, where something is wrong.
 end() {
   local name="$1" title="$2" rc=1 took='?'
   wait "${pids[$name]}"
   read -r rc took <"$folder/$name.end"
-  printf '\n== %s\n' "$title"
-  cat "$folder/$name.out"
   if [ "$rc" -eq 0 ]; then
     printf '== %s: ok (%s s)\n' "$title" "$took"
   else
+    printf '\n== %s\n' "$title"
+    cat "$folder/$name.out"
     printf '== %s: FAILED (%s s)\n' "$title" "$took"
     failed+=("$title")
   fi
@@ -85,15 +87,13 @@ page_checks() {
   "$javascript/node_modules/.bin/tsc" --project "$javascript" &&
     env -C "$javascript" node --test --test-reporter=spec
 }
-# mypy takes one processor for as long as the others take a second one.
-begin mypy mypy
 begin lint ruff check
 begin format ruff format --check --quiet
+# These two go on beside pytest.
 begin page page_checks
+begin mypy mypy
 end lint "ruff (lint)"
 end format "ruff (format)"
-end page "tsc and node --test (the page's JavaScript)"
-end mypy "mypy"
 if [ -n "$fast" ]; then
   pytest_arguments=(-m "not (ros or browser or real_time or slow)" --durations=5 "${pytest_arguments[@]}")
 fi
@@ -106,10 +106,13 @@ workers=$(($(nproc) + 1))
 [ "$workers" -le 5 ] || workers=5
 [ "$(nproc)" -eq 1 ] || pytest_arguments=(-n "$workers" --dist loadgroup "${pytest_arguments[@]}")
 
-# pytest comes last, so that its closing line counts the tests.
-if [ ${#failed[@]} -gt 0 ]; then printf '\nFailed so far: %s\n' "${failed[*]}"; fi
 printf '\n== pytest\n'
 python -m pytest "${pytest_arguments[@]}"
 status=$?
-[ ${#failed[@]} -eq 0 ] || exit 1
+end page "tsc and node --test (the page's JavaScript)"
+end mypy "mypy"
+if [ ${#failed[@]} -gt 0 ]; then
+  printf '\nFailed beside pytest: %s\n' "${failed[*]}"
+  exit 1
+fi
 exit $status
