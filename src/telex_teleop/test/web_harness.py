@@ -85,7 +85,7 @@ class Ros:
         """Start a server node on a free port; return its process and its address."""
         node_name = node_name or name
         process = self.start_node(name, "_port:=0", f"__name:={node_name}", *arguments)
-        return process, wait_until(lambda: self.param(f"/telex/{node_name}/url"), timeout=20.0)
+        return process, wait_until(lambda: self.param(f"/telex/{node_name}/url"), timeout=60.0)
 
     def param(self, name):
         try:
