@@ -285,13 +285,13 @@ FAULTS = """
     const parts = [...document.querySelectorAll("button, select, input:not([type=checkbox]), a")];
     return parts.filter((each) => each.checkVisibility()).flatMap((each) => {
       const {left, right, width, height} = each.getBoundingClientRect();
-      const room = each.closest("td, .card, .panel, header, footer").getBoundingClientRect();
+      const part = each.closest("td, .card, .panel, .pictures, header, footer");
+      const room = part.getBoundingClientRect();
       const name = each.id || each.innerText;
       return [
         each.tagName === "BUTTON" && each.scrollWidth > each.clientWidth + 2 && `cut: ${name}`,
         (left < room.left - 1 || right > room.right + 1) && `beyond its part: ${name}`,
-        width < 36 && `narrow: ${name}`,
-        innerWidth <= 900 && height < 44 && `low: ${name}`,
+        innerWidth <= 900 && Math.min(width, height) < 44 && `${width} x ${height}: ${name}`,
       ].filter(Boolean);
     });
 """
