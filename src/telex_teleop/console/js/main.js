@@ -60,6 +60,9 @@ const JOINTS_PERIOD = 100; // ms between two updates of the joint table
 const DISPLAY_PERIOD = 200; // ms between two updates of header and picture state
 const MODEL_RETRY_AFTER = 2000; // ms between two attempts to get the robot's description
 
+/** What the bridge says of topics that an exam closes: as they are asked for, and as this page, told of the exam, gives them up. */
+const CLOSED = / is closed while an exam runs|^unsubscribe: .* has not been subscribed to$/;
+
 /** What the operator was given with the page's address. */
 const GIVEN = new URLSearchParams(location.search);
 
@@ -190,7 +193,7 @@ class Console {
         // A stream of commands that was refused once stays so: the operator has to know, and to press anew.
         if (sentence.startsWith("publish to ")) this._letGo(text("the bridge refused a command"));
         // The strip says that it is an exam, and the aids what of them it takes: names of topics tell a trainee nothing.
-        else if (sentence.includes(" is closed while an exam runs")) return console.info(sentence);
+        else if (CLOSED.test(sentence)) return console.info(sentence);
         this._status.warn(text("bridge: {sentence}", { sentence: translated(sentence) }));
       },
     });
