@@ -215,9 +215,9 @@ async function main() {
   }
   if (reply.ok) {
     const sheet = await reply.json();
-    await bringTexts(`api/texts?${whoLooks()}`);
     show(sheet);
     onLanguage(() => show(sheet));
+    bringTexts(`api/texts?${whoLooks()}`);
     return;
   }
   const note = /** @type {HTMLElement} */ (document.getElementById("note"));

@@ -383,12 +383,12 @@ async function main() {
   Object.assign(state, { duration: Math.max(about.duration, 1e-3), period: about.period });
   slider.max = String(about.duration);
   slider.step = "any";
-  await bringTexts(`/training/api/texts?${whoLooks()}`);
   introduce(about);
   onLanguage(() => {
     introduce(about);
     tell({ marks });
   });
+  bringTexts(`/training/api/texts?${whoLooks()}`);
   for (const problem of about.problems) get("problems").append(Object.assign(document.createElement("li"), { textContent: translated(problem) }));
   drawTimeline(about);
   drawStrips(about);

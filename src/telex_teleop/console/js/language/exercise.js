@@ -3,7 +3,7 @@
 
 import { addTexts, decimal, term, text, translated } from "../language.js";
 
-/** Bring what the station's exercises say in other languages by their own files. @param {string} address */
+/** Bring what the station's exercises say in other languages by their own files; it is shown as if the language had changed. @param {string} address */
 export async function bringTexts(address) {
   try {
     const reply = await fetch(address, { cache: "no-store" });

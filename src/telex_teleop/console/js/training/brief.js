@@ -103,7 +103,7 @@ export class ExerciseBrief {
     const trial = this._trial;
     setText(byId("brief-note"), text("asking for the brief …"));
     try {
-      await bringTexts(addressOf(TEXTS, this._given));
+      bringTexts(addressOf(TEXTS, this._given));
       const address = addressOf(`/training/api/brief/${encodeURIComponent(trial)}`, this._given, { name: this._operator });
       const reply = await fetch(address, { cache: "no-store" });
       if (!reply.ok) throw new Error((await reply.text()).trim() || `the video server says ${reply.status}`);
