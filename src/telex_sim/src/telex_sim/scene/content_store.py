@@ -200,7 +200,8 @@ def _parts(value: Any) -> Iterator[bytes]:
         for item in value:
             yield from _parts(item)
     elif is_dataclass(value):
-        head, read = _fields(type(value))
+        kind: Any = type(value)
+        head, read = _fields(kind)
         items = read(value)
         if np.ndarray in map(type, items):
             yield head
@@ -212,7 +213,7 @@ def _parts(value: Any) -> Iterator[bytes]:
 
 
 @functools.lru_cache(maxsize=None)
-def _fields(kind: type) -> Tuple[bytes, Callable[[Any], Tuple[Any, ...]]]:
+def _fields(kind: Any) -> Tuple[bytes, Callable[[Any], Tuple[Any, ...]]]:
     """Name of a dataclass with those of its fields, and what reads them all."""
     names = [each.name for each in fields(kind)]
     head = f"{kind.__name__} {names} ".encode()
