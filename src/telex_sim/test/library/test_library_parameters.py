@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from telex_control.common.file_catalog import package_file
 from telex_control.common.geometry.matrices import rotation_matrix
-from telex_control.common.package_files import package_file
 from telex_control.common.params import ConfigError
 from telex_sim.scene.catalog import preview_of_type, small_jpeg
 from telex_sim.scene.files.scene_file import build_entry

@@ -9,7 +9,7 @@ import pytest
 import yaml
 from geometry_msgs.msg import Twist
 
-from telex_control.common.package_files import package_file
+from telex_control.common.file_catalog import package_file
 from telex_sim.engine.world import WorldError
 from telex_sim.offline.simulation import OfflineSimulation
 

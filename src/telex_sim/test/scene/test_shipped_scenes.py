@@ -9,7 +9,7 @@ import numpy as np
 import pybullet
 import pytest
 
-from telex_control.common.package_files import package_file
+from telex_control.common.file_catalog import package_file
 from telex_sim.scene.files.scene_file import load_scene
 
 pytestmark = pytest.mark.slow

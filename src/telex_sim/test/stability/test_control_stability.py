@@ -10,7 +10,7 @@ import pybullet
 import pytest
 import yaml
 
-from telex_control.common.package_files import package_file
+from telex_control.common.file_catalog import package_file
 from telex_control.urdf.joints import joints, parse_urdf
 from telex_sim.offline.simulation import OfflineSimulation
 

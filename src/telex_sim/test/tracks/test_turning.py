@@ -13,7 +13,7 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Float64
 
-from telex_control.common.package_files import package_file
+from telex_control.common.file_catalog import package_file
 from telex_sim.engine.world import GRAVITY
 
 pytestmark = pytest.mark.slow

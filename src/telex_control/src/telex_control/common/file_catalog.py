@@ -1,18 +1,20 @@
 """Files by name: the shipped ones, and those in folders that an environment variable names.
 
-And the folders of ROS packages, in which the shipped ones stand.
+And the folders of ROS packages, in which the shipped ones stand, and other files there.
 """
 
 from __future__ import annotations
 
+import copy
 import difflib
 import os
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Dict, List
+from typing import Any, Dict, List
 
 import rospkg
+import yaml
 
 
 def package_path(package: str) -> str:
@@ -36,6 +38,22 @@ def package_path(package: str) -> str:
 @lru_cache(maxsize=1)
 def _packages(where: str) -> rospkg.RosPack:
     return rospkg.RosPack()
+
+
+def package_file(package: str, *parts: str) -> Path:
+    """Path of a file of a ROS package."""
+    return Path(package_path(package)).joinpath(*parts)
+
+
+def package_yaml(package: str, *parts: str) -> Any:
+    """Return what is in a YAML file of a ROS package; it is the caller's own."""
+    # To parse a file takes much longer than to copy what is in it.
+    return copy.deepcopy(_parsed(package_file(package, *parts).read_text(encoding="utf-8")))
+
+
+@lru_cache(maxsize=16)
+def _parsed(text: str) -> Any:
+    return yaml.safe_load(text)
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ from std_msgs.msg import Float64
 from telex_msgs.msg import TrackTeleopStatus
 
 from telex_control.common.child_processes import KILLED_WITH_US
-from telex_control.common.package_files import package_yaml
+from telex_control.common.file_catalog import package_yaml
 from telex_experiments.rigs.private_master import end_tree
 from telex_experiments.rigs.report import Figure, MeasurementError, wait_until
 

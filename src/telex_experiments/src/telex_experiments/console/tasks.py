@@ -20,7 +20,7 @@ from std_msgs.msg import Float64
 from telex_msgs.msg import TruthNames, TruthSample
 from telex_msgs.srv import LoadScene
 
-from telex_control.common.package_files import package_yaml
+from telex_control.common.file_catalog import package_yaml
 from telex_experiments.console.by_keys import ByKeys, Object
 from telex_experiments.console.rig import ConsoleRig
 from telex_experiments.rigs.report import PATIENCE, Figure, MeasurementError, wait_until

@@ -13,8 +13,8 @@ import yaml
 from control_msgs.msg import FollowJointTrajectoryGoal, GripperCommand, GripperCommandGoal
 from trajectory_msgs.msg import JointTrajectoryPoint
 
+from telex_control.common.file_catalog import package_yaml
 from telex_control.common.geometry.matrices import homogeneous, rotation_from_rpy
-from telex_control.common.package_files import package_yaml
 from telex_control.common.params import read_config
 from telex_control.controllers.parallel_gripper_controller import FingerGeometry
 from telex_control.follow_trajectory import FollowTrajectoryError

@@ -11,7 +11,7 @@ from typing import Any, Dict
 
 from sensor_msgs.msg import JointState
 
-from telex_control.common.package_files import package_yaml
+from telex_control.common.file_catalog import package_yaml
 from telex_control.common.params import read_config
 from telex_teleop.cores import flipper_core
 from telex_teleop.flippers.flipper_settings import FlipperTeleopSettings

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import pybullet
 import yaml
 
-from telex_control.common.package_files import package_yaml
+from telex_control.common.file_catalog import package_yaml
 from telex_sim.engine.simulator_config import TUNED_PERIOD
 from telex_sim.engine.world import Body
 from telex_sim.offline.robot import OfflineRobot

@@ -8,7 +8,7 @@ import zlib
 from dataclasses import dataclass, field, replace
 from typing import Any, Dict, List, Optional, Tuple, TypeVar
 
-from telex_control.common.package_files import package_yaml
+from telex_control.common.file_catalog import package_yaml
 from telex_control.common.params import (
     ConfigError,
     Declared,

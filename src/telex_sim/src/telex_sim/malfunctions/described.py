@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Mapping, Tuple
 
-from telex_control.common.package_files import package_yaml
+from telex_control.common.file_catalog import package_yaml
 from telex_control.urdf.joints import parse_urdf
 from telex_control.urdf.transmission_parser import driven_and_watched
 

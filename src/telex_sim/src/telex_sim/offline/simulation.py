@@ -8,8 +8,7 @@ from dataclasses import fields
 from functools import lru_cache
 from typing import Any, Dict, List, Optional, Sequence
 
-from telex_control.common.file_catalog import package_path
-from telex_control.common.package_files import package_file, package_yaml
+from telex_control.common.file_catalog import package_file, package_path, package_yaml
 from telex_control.common.params import read_config
 from telex_control.manager.controller_joints import controller_joints, without_joints
 from telex_control.ros.local_node_handle import LocalNodeHandle

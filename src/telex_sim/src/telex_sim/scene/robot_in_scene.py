@@ -10,8 +10,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Sequence
 
-from telex_control.common.file_catalog import package_path
-from telex_control.common.package_files import package_file
+from telex_control.common.file_catalog import package_file, package_path
 from telex_control.common.params import ConfigError
 from telex_control.ros.local_node_handle import LocalNodeHandle
 

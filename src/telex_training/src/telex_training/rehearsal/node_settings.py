@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Dict, Mapping, NamedTuple, Optional, Type, TypeVar
 
-from telex_control.common.package_files import package_yaml
+from telex_control.common.file_catalog import package_yaml
 from telex_control.common.params import read_config
 from telex_teleop.arm.arm_settings import ArmTeleopSettings
 from telex_teleop.flippers.flipper_settings import FlipperTeleopSettings

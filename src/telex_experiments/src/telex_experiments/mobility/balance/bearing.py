@@ -9,7 +9,7 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple
 import numpy as np
 import pybullet
 
-from telex_control.common.package_files import package_yaml
+from telex_control.common.file_catalog import package_yaml
 from telex_sim.engine.contacts import contacts
 from telex_sim.engine.simulation import Simulation
 from telex_sim.engine.world import GRAVITY

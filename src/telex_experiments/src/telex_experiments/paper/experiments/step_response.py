@@ -8,7 +8,7 @@ from typing import Any, Dict, List
 
 import yaml
 
-from telex_control.common.package_files import package_file
+from telex_control.common.file_catalog import package_file
 from telex_control.urdf.joints import short_name
 
 from ..experiment import Cell, Experiment, Figure, Picture, Result, Table
