@@ -126,6 +126,9 @@ const LEAST_LETTERS = 3; // that tell a sentence with values from any other one
 /** Sentences with values, and what they look like. @type {{english: string, names: string[], look: RegExp}[] | null} */
 let forms = null;
 
+/** The newest sentences that are none of them: names come again and again. @type {Set<string>} */
+const formless = new Set();
+
 /** How many letters it has beside its values. @param {string} english */
 const lettersOf = (english) => english.replace(/\{\w+\}/g, "").match(/\p{L}/gu)?.length ?? 0;
 
@@ -140,10 +143,13 @@ function formOf(sentence) {
       // A count is a number.
       look: new RegExp(`^${english.replace(/[.*+?^$()|[\]\\]/g, "\\$&").replace(/\{(\w+)\}/g, (_, name) => (name === "count" ? "(\\d+)" : "(.+?)"))}$`),
     }));
+  if (formless.has(sentence)) return undefined;
   for (const { english, names, look } of forms) {
     const found = look.exec(sentence);
     if (found !== null) return { english, values: Object.fromEntries(names.map((name, index) => [name, found[index + 1]])) };
   }
+  formless.add(sentence);
+  if (formless.size > REMEMBERED) formless.delete(/** @type {string} */ (formless.values().next().value));
   return undefined;
 }
 

@@ -298,8 +298,8 @@ FAULTS = """
 
 
 def test_words_of_all_languages_have_room_on_a_tablet(ros, page):
-    assert page.driver.execute_async_script(OTHER, f"{ros.param('/telex/rosbridge/url')}?name=Ann")
-    wait_until(lambda: page.driver.find_elements("css selector", "#roster button"))
+    assert page.script(OTHER, f"{ros.param('/telex/rosbridge/url')}?name=Ann")
+    wait_until(lambda: page.texts("#roster button"))
     faults = {}
     for language in ("en", "de", "fr"):
         assert page.script("return document.documentElement.lang") == language
@@ -373,10 +373,15 @@ def note(page):
     return page.text("arrange-note")
 
 
-def test_objects_are_put_moved_and_taken_on_the_map_by_keys(scene, page):
+def have_put(page):
+    """Choose the tool that puts objects, once it is known which there are."""
     page.element('[data-tool="put"]').click()
     chosen = "return document.querySelector('#arrange-kinds :checked')?.value"
     wait_until(lambda: page.script(chosen) == "crate")
+
+
+def test_objects_are_put_moved_and_taken_on_the_map_by_keys(scene, page):
+    have_put(page)
     assert page.script("return document.querySelector('#arrange-kinds img').naturalWidth") == 1
     page.element("#arrange-kinds [value=crate]").press("ArrowRight")
     assert page.element("#arrange-kinds [value=cone]").get_property("checked")
@@ -454,7 +459,7 @@ def test_in_an_exam_it_is_said_first_that_it_becomes_invalid(scene, page):
     state = {"phase": "running", "mode": "exam", "operator": "Ann", "valid": True}
     scene.probe.publish("/telex/training/state", kind, state, latch=True)
     wait_until(lambda: page.text("training-title").endswith("EXAM"))
-    page.element('[data-tool="put"]').click()
+    have_put(page)
     page.element("#plan").press("ArrowLeft", "Enter")
     assert answer(page, "no") == "Put crate there? The exam of Ann is invalid then."
     assert scene.asked("spawn") == []

@@ -1,12 +1,29 @@
 // @ts-check
 /** What exercises say, in the language that is shown. */
 
-import { addTexts, decimal, term, text, translated } from "../language.js";
+import { addTexts, decimal, language, onLanguage, term, text, translated } from "../language.js";
 
-/** Bring what the station's exercises say in other languages by their own files; it is shown as if the language had changed. @param {string} address */
+/** Where the station's texts are to be had; null: nobody has wanted them. @type {string | null} */
+let place = null;
+/** The language in which they were asked for last. */
+let asked = "en";
+
+/**
+ * Bring what the station's exercises say in other languages by their own files, once another one than English is shown; they are shown
+ * as if the language had changed.
+ * @param {string} address
+ */
 export async function bringTexts(address) {
+  if (place === null) onLanguage(() => asked !== language().code && ask());
+  place = address;
+  await ask();
+}
+
+async function ask() {
+  asked = language().code;
+  if (asked === "en" || place === null) return;
   try {
-    const reply = await fetch(address, { cache: "no-store" });
+    const reply = await fetch(place, { cache: "no-store" });
     if (reply.ok) addTexts(await reply.json());
   } catch {
     // They are said in English then.

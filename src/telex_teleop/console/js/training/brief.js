@@ -103,11 +103,11 @@ export class ExerciseBrief {
     const trial = this._trial;
     setText(byId("brief-note"), text("asking for the brief …"));
     try {
-      bringTexts(addressOf(TEXTS, this._given));
       const address = addressOf(`/training/api/brief/${encodeURIComponent(trial)}`, this._given, { name: this._operator });
       const reply = await fetch(address, { cache: "no-store" });
       if (!reply.ok) throw new Error((await reply.text()).trim() || `the video server says ${reply.status}`);
       const brief = await reply.json();
+      bringTexts(addressOf(TEXTS, this._given));
       if (trial === this._trial) this._fill(brief);
     } catch (error) {
       setText(byId("brief-note"), text("no brief: {why}", { why: translated(/** @type {Error} */ (error).message) }));

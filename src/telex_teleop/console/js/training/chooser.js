@@ -57,8 +57,8 @@ export class ExerciseChooser {
     const note = byId("exercises-note");
     setText(note, text("asking for the exercises …"));
     try {
-      bringTexts(addressOf(TEXTS, this._given));
       const exercises = await this._client.list(this._nameField.value.trim());
+      bringTexts(addressOf(TEXTS, this._given));
       setText(note, exercises.length === 0 ? text("there are no exercises") : "");
       byId("exercises-list").replaceChildren(...exercises.map((exercise) => this._card(exercise)));
     } catch (error) {

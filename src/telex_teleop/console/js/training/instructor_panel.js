@@ -59,8 +59,8 @@ export class ExercisePanel {
   /** Ask which exercises there are, and who has done some; after every new connection. */
   async list() {
     try {
-      bringTexts(addressOf(TEXTS, this._given));
       this._exercises = (await this._client.list("")).filter(({ problem }) => problem === "");
+      bringTexts(addressOf(TEXTS, this._given));
     } catch (error) {
       setText(byId("exercise-note"), text("no exercises: {why}", { why: translated(/** @type {Error} */ (error).message) }));
       return;

@@ -38,6 +38,7 @@ _FILES = (
     "elements.js",
     "replay/language.js",
 )
+_OF_CONSOLE = ("buttons.js", "language.js")
 _HEADERS = {
     "Cache-Control": "no-store",
     "Content-Security-Policy": (
@@ -82,7 +83,8 @@ class ClassApp:
         router.add_get(f"{PREFIX}/", self._file("class/class.html"))
         for name in _FILES:
             router.add_get(f"/{name}", self._file(name))
-        router.add_get("/js/language.js", self._file("language.js", self._console))
+        for name in _OF_CONSOLE:
+            router.add_get(f"/js/{name}", self._file(name, self._console))
         router.add_static("/js/language/", self._console / "language")
         router.add_get(f"{PREFIX}/api/state", self._state)
         router.add_get(f"{PREFIX}/api/picture/{{station}}", self._picture)

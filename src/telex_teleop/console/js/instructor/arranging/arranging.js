@@ -210,6 +210,7 @@ export class Arranging {
   /** @param {Ray} ray */
   async _put(ray) {
     const type = this._kinds.value;
+    if (type === "") return; // it is not known yet what there is
     const yaw = this._yaw;
     const found = await this._call("sim/find_place", { ...ray, object: `{type: ${type}}`, yaw });
     if (!(await this._mayChange(text("Put {name} there?", { name: typeText(type) }), text("put"), false))) return;
