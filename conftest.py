@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import os
 import re
+import time
 from collections import defaultdict
 from functools import lru_cache
 from pathlib import Path
@@ -36,6 +37,8 @@ SLOW = 3.0
 """CPU time (s) from which on a file is to be marked slow, which ``test.sh --fast`` leaves out."""
 NOT_SLOW = 1.5
 """CPU time (s) up to which a file is not to be marked so."""
+LONGEST_CHECK = 900.0
+"""For which checks beside the tests are waited for once all tests have ended (s)."""
 PATIENCE = 15
 """Niceness of a worker from its first test that can wait."""
 
@@ -63,6 +66,9 @@ def pytest_configure(config: pytest.Config) -> None:
     if hasattr(config.option, "loadscopereorder"):  # of xdist 3.8, which needs Python 3.9
         config.option.loadscopereorder = False
     config.pluginmanager.register(CpuTimes())
+    beside = os.environ.get("TELEX_CHECKS_BESIDE")
+    if beside and not in_a_worker():
+        config.pluginmanager.register(ChecksBeside(Path(beside)))
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> Optional[bool]:
@@ -161,6 +167,32 @@ class CpuTimes:
             for file, seconds in slowest[: config.option.durations]:
                 terminalreporter.line(f"{seconds:6.2f} s {file}")
             terminalreporter.line(f"{sum(self.of_file.values()):6.2f} s in all files")
+
+
+class ChecksBeside:
+    """Tells how the checks went that ``test.sh`` runs beside the tests.
+
+    Of each there is ``NAME.title``, ``NAME.out`` with what it says and, once it has ended,
+    ``NAME.end`` with its exit status and how long it took (s).
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
+        """Wait for each; print what it says where something is wrong."""
+        latest = time.monotonic() + LONGEST_CHECK
+        for title in sorted(self._folder.glob("*.title")):
+            end, name = title.with_suffix(".end"), title.read_text().strip()
+            while not end.exists() and time.monotonic() < latest:
+                time.sleep(0.2)
+            status, took = end.read_text().split() if end.exists() else ("has not ended", "?")
+            if status == "0":
+                terminalreporter.line(f"{name}: ok ({took} s)")
+                continue
+            terminalreporter.section(f"{name}: FAILED, {status} ({took} s)", red=True)
+            terminalreporter.line(title.with_suffix(".out").read_text())
 
 
 def cpu_time() -> float:

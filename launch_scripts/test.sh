@@ -51,34 +51,29 @@ trap 'rm -rf "$folder"' EXIT
 export TMPDIR="$folder/tmp"
 export ROS_LOG_DIR="$folder/log"
 mkdir "$TMPDIR" "$ROS_LOG_DIR" || exit 1
-failed=()
+failed=
 
-# begin NAME COMMAND...: runs a check in the background.
+# begin NAME TITLE COMMAND...: runs a check in the background.
 begin() {
   local name="$1" started=$SECONDS
-  shift
+  printf '%s\n' "$2" >"$folder/$name.title"
+  shift 2
   (
     # Tests in wall time are not to be held up by it; --fast has none of them.
     [ -n "$fast" ] || renice -n 10 "$BASHPID" >/dev/null
     "$@" >"$folder/$name.out" 2>&1
-    printf '%s %s\n' $? $((SECONDS - started)) >"$folder/$name.end"
+    printf '%s %s\n' $? $((SECONDS - started)) >"$folder/$name.part"
+    mv "$folder/$name.part" "$folder/$name.end"
   ) &
   pids[$name]=$!
 }
 
-# end NAME TITLE: waits for it, and prints how it went; what it said, where something is wrong.
+# end NAME: waits for it, and notes whether something is wrong.
 end() {
-  local name="$1" title="$2" rc=1 took='?'
-  wait "${pids[$name]}"
-  read -r rc took <"$folder/$name.end"
-  if [ "$rc" -eq 0 ]; then
-    printf '== %s: ok (%s s)\n' "$title" "$took"
-  else
-    printf '\n== %s\n' "$title"
-    cat "$folder/$name.out"
-    printf '== %s: FAILED (%s s)\n' "$title" "$took"
-    failed+=("$title")
-  fi
+  local rc=1
+  wait "${pids[$1]}"
+  read -r rc _ <"$folder/$1.end"
+  [ "$rc" -eq 0 ] || failed=1
 }
 
 declare -A pids
@@ -87,13 +82,12 @@ page_checks() {
   "$javascript/node_modules/.bin/tsc" --project "$javascript" &&
     env -C "$javascript" node --test --test-reporter=spec
 }
-begin lint ruff check
-begin format ruff format --check --quiet
-# These two go on beside pytest.
-begin page page_checks
-begin mypy mypy
-end lint "ruff (lint)"
-end format "ruff (format)"
+# They go on beside pytest, which tells how they went before its closing line: that comes last.
+begin lint "ruff (lint)" ruff check
+begin format "ruff (format)" ruff format --check --quiet
+begin page "tsc and node --test (the page's JavaScript)" page_checks
+begin mypy "mypy" mypy
+export TELEX_CHECKS_BESIDE="$folder"
 if [ -n "$fast" ]; then
   pytest_arguments=(-m "not (ros or browser or real_time or slow)" --durations=5 "${pytest_arguments[@]}")
 fi
@@ -106,13 +100,8 @@ workers=$(($(nproc) + 1))
 [ "$workers" -le 5 ] || workers=5
 [ "$(nproc)" -eq 1 ] || pytest_arguments=(-n "$workers" --dist loadgroup "${pytest_arguments[@]}")
 
-printf '\n== pytest\n'
 python -m pytest "${pytest_arguments[@]}"
 status=$?
-end page "tsc and node --test (the page's JavaScript)"
-end mypy "mypy"
-if [ ${#failed[@]} -gt 0 ]; then
-  printf '\nFailed beside pytest: %s\n' "${failed[*]}"
-  exit 1
-fi
+for name in lint format page mypy; do end "$name"; done
+[ -z "$failed" ] || exit 1
 exit $status
