@@ -1,4 +1,4 @@
-"""What servers of pages share: JSON that is sent to them, and work in other threads."""
+"""Helpers of the servers of pages: JSON that is sent to them, and work in other threads."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What pages draw their aids by: where a robot stands on tracks or wheels, and its tool."""
+"""Facts that pages draw their aids by: where a robot stands on tracks or wheels, and its tool."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is known of a trial: its phase, repetitions and events; state and score sheet tell it."""
+"""Record of a trial: phase, repetitions and events, of which state and score sheet are made."""
 
 from __future__ import annotations
 
