@@ -116,13 +116,13 @@ assert policies() == {os.SCHED_BATCH}
 print(why_not)
 """
 
-STEP_BACK = """
+NICENESS = """
 import os
 from pathlib import Path
-from telex_control.common.scheduling import step_back
+from telex_control.common.scheduling import add_niceness
 
 expected = min(os.nice(0) + 7, 19)
-step_back(7)
+add_niceness(7)
 assert os.nice(0) == expected
 group = Path("/proc/self/autogroup")
 try:
@@ -130,6 +130,19 @@ try:
 except OSError:
     told = ""
 print(told)
+"""
+
+
+FORWARD = """
+import os
+from telex_control.common import scheduling
+
+before = os.nice(0)
+def refuse(increment):
+    raise PermissionError(1, "forbidden")
+os.nice, asked = refuse, os.nice
+scheduling.add_niceness(-3)
+assert asked(0) == before
 """
 
 
@@ -194,5 +207,9 @@ def test_a_scheduler_that_was_given_is_kept():
 
 
 def test_stepping_back_holds_against_other_sessions():
-    told = run(STEP_BACK)
+    told = run(NICENESS)
     assert told == "" or told.endswith("nice 7"), told
+
+
+def test_who_may_not_come_forward_stays_where_it_is():
+    run(FORWARD)

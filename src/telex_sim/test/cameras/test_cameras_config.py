@@ -96,7 +96,7 @@ def test_bad_camera(changes, complaint):
         ({"quality": "ultra"}, "quality is 'ultra'; auto, software, gpu are possible"),
         ({"shadow_radius": 0.0}, "shadow_radius is 0"),
         ({"repeat_rate": -1.0}, "repeat_rate is -1"),
-        ({"niceness": 20}, "niceness is 20; it must be at least 0 and at most 19"),
+        ({"niceness": 20}, "niceness is 20; it must be at least -20 and at most 19"),
         ({"software_threads": -1}, "software_threads is -1"),
         ({"egl_device": -1}, "egl_device is -1"),
         ({"renderer": "tiny"}, "renderer is 'tiny'; auto, opengl are possible"),
@@ -258,8 +258,8 @@ def test_bad_name_of_a_lamp():
 @pytest.mark.parametrize(
     ("simulator", "granted", "niceness"),
     [
-        ({}, True, 0),
-        ({"paused": True, "timing": {"realtime_priority": 3}}, True, 0),
+        ({}, True, -5),
+        ({"paused": True, "timing": {"realtime_priority": 3}}, True, -5),
         ({}, False, 10),
         ({"timing": {"realtime_priority": 0}}, True, 10),
         ({"timing": {"real_time_factor": 2.0}}, True, 10),

@@ -132,8 +132,9 @@ class TestNextDue:
         # A core is asked for 0.58 s of the large view in each second, and for 0.75 s of the small.
         small = [Paced(10.0, work=0.015) for _ in range(5)]
         rates = serve([Paced(25.0, LARGE_WEIGHT, 0.023), *small], 20.0)
-        assert rates[0] > 23.0
-        assert min(rates[1:]) > 5.0
+        assert rates[0] > 20.0
+        assert min(rates[1:]) > 5.5
+        assert rates[0] / 25.0 > 1.15 * max(rates[1:]) / 10.0
         assert max(rates[1:]) - min(rates[1:]) < 0.3
 
     def test_nobody_grows_old(self):

@@ -4,7 +4,8 @@ import pytest
 
 from telex_sim.cameras.ros.size_by_load import SizeByLoad
 
-FULL, COARSER, SMALLER, SMALLEST = (1.0, 1.0), (1.0, 0.75), (0.75, 0.75), (0.5, 0.75)
+FULL, COARSER, SMALLER = (1.0, 1.0), (1.0, 0.75), (0.75, 0.75)
+SMALL, SMALLEST = (0.5, 0.75), (0.5, 0.6)
 
 
 def run(sizes, seconds, previews, asked=50.0, busy=1.0, begin=0.0):
@@ -28,14 +29,19 @@ def sizes():
 
 def test_previews_lose_detail_first_and_full_pictures_are_not_below_the_smallest(sizes):
     assert sizes.step.shadow_spacing == 1.0
-    steps = run(sizes, 8, previews=30)
-    assert steps == [FULL, COARSER, COARSER, SMALLER, SMALLER, SMALLEST, SMALLEST, SMALLEST]
+    steps = run(sizes, 9, previews=30)
+    assert steps == [FULL, *[COARSER] * 2, *[SMALLER] * 2, *[SMALL] * 2, *[SMALLEST] * 2]
     assert sizes.step.shadow_spacing == 4.0
     assert sizes.step.coarse
 
 
+def test_who_is_far_behind_loses_two_steps_at_once(sizes):
+    steps = run(sizes, 6, previews=25)
+    assert steps == [FULL, *[SMALLER] * 2, *[SMALLEST] * 3]
+
+
 def test_previews_may_give_way_a_little_first(sizes):
-    assert set(run(sizes, 10, previews=41)) == {FULL}
+    assert set(run(sizes, 10, previews=46)) == {FULL}
 
 
 def test_who_has_time_is_not_behind_for_want_of_it(sizes):
@@ -43,7 +49,7 @@ def test_who_has_time_is_not_behind_for_want_of_it(sizes):
 
 
 def test_waiting_for_poses_between_pictures_is_no_time_left(sizes):
-    assert run(sizes, 2, previews=26, busy=0.92) == [FULL, COARSER]
+    assert run(sizes, 2, previews=35, busy=0.92) == [FULL, COARSER]
 
 
 def test_nobody_watches_previews(sizes):

@@ -4,8 +4,17 @@ import struct
 import numpy as np
 import pytest
 
+from telex_sim.cameras.drawing.gl_context import create_context
+from telex_sim.cameras.drawing.light.daylight import Lighting
 from telex_sim.cameras.drawing.meshes.batching import VERTEX
+from telex_sim.cameras.drawing.meshes.gpu_mesh import DETAILS, GpuMesh
 from telex_sim.cameras.drawing.meshes.simplification import coarser, simplified
+from telex_sim.cameras.drawing.programs import depth_program
+from telex_sim.cameras.drawing.quality import TIERS
+from telex_sim.cameras.drawing.renderer import Renderer
+from telex_sim.cameras.optics.pinhole import PinholeCamera
+from telex_sim.cameras.preview.still import looking
+from telex_sim.scene.content_store import ContentStore
 from telex_sim.scene.meshes import mesh_files
 from telex_sim.scene.meshes.mesh_files import MeshFileError, load_mesh
 from telex_sim.scene.meshes.meshes import (
@@ -18,6 +27,7 @@ from telex_sim.scene.meshes.meshes import (
 )
 from telex_sim.scene.meshes.normals import mesh_from_corners
 from telex_sim.scene.meshes.texture_mapping import box_mapped
+from telex_sim.scene.visual_scene import Visual, VisualScene, VisualShape
 
 CUBE = """
 # a cube without normals
@@ -247,6 +257,17 @@ class TestCoarser:
         colors = np.unique(coarser(vertices, ball.triangles, 0.02)[0]["color"], axis=0)
         assert colors.tolist() == [[200, 0, 0, 0], [200, 255, 0, 0]]
 
+    def test_a_texture_that_goes_around_is_not_drawn_back_where_it_ends(self):
+        drum = cylinder_mesh(0.3, 0.9)
+        vertices = vertices_of(drum)
+        vertices["uv"] = drum.uvs
+        merged, triangles = coarser(vertices, drum.triangles, 0.09)
+        assert len(triangles) < 0.7 * len(drum.triangles)
+        # Along no triangle of the side does it run further than it did, but for the cells' width.
+        side = np.abs(merged["normal"][triangles][:, :, 2]).max(axis=1) < 0.5
+        runs = np.ptp(merged["uv"][triangles][side][:, :, 0], axis=1)
+        assert runs.max() < 0.2
+
     def test_what_is_smaller_than_a_cell_does_not_vanish(self):
         grain = box_mesh((0.001, 0.001, 0.001))
         vertices = vertices_of(grain)
@@ -399,3 +420,55 @@ def test_too_many_triangles_are_refused(tmp_path, monkeypatch, name, content):
         load_mesh(write(tmp_path / name, content))
     monkeypatch.setattr(mesh_files, "MOST_TRIANGLES", 12)
     assert load_mesh(write(tmp_path / name, content))
+
+
+class TestDetail:
+    """A ball without and one with a texture, side by side, drawn by a renderer."""
+
+    CAMERA = PinholeCamera(320, 240, 1.2, 0.05, 60.0)
+
+    @pytest.fixture
+    def renderer(self):
+        renderer = Renderer(create_context(), TIERS["software"], Lighting(), lambda name: name)
+        yield renderer
+        renderer.release()
+
+    def pictures(self, renderer, distance, radius=0.3):
+        """Fine and coarse, as numbers of either sign."""
+        balls = [
+            Visual("world", VisualShape.SPHERE, (radius, 0.0, 0.0), (0.0, y, 0.5), texture=texture)
+            for y, texture in ((-1.2 * radius, ""), (1.2 * radius, "generated:checker"))
+        ]
+        assert renderer.load_scene(VisualScene(1, ("world",), tuple(balls))) == []
+        renderer.place(np.eye(4)[None], np.zeros(3))
+        pose = looking((-distance, 0.0, 0.55), (0.0, 0.0, 0.5))
+        return [
+            renderer.render(self.CAMERA, pose, coarse=coarse)[..., :3].astype(int)
+            for coarse in (False, True)
+        ]
+
+    def test_a_texture_that_is_seen_from_near_is_not_pulled_about(self, renderer):
+        fine, coarse = self.pictures(renderer, 0.3, radius=0.05)
+        changed = np.abs(fine - coarse).max(axis=2) > 2
+        assert changed[:, 160:].any()
+        assert not changed[:, :160].any()
+
+    @pytest.mark.parametrize("distance", [4.0, 10.0, 25.0])
+    def test_what_is_far_away_looks_alike_with_fewer_triangles(self, renderer, distance):
+        fine, coarse = self.pictures(renderer, distance)
+        off = np.abs(fine - coarse).max(axis=2)
+        balls = 2.0 * math.pi * (0.3 * self.CAMERA.focal_length / distance) ** 2
+        assert off.any()
+        # No more than their rims, by half a pixel or two.
+        assert (off > 40).sum() < max(0.2 * balls, 12)
+
+    def test_each_detail_has_fewer_triangles(self):
+        context = create_context()
+        ball = sphere_mesh(0.5)
+        mesh = GpuMesh(context, vertices_of(ball), ball.triangles, 0.0, ContentStore())
+        program = depth_program(context)
+        counts = [mesh.array(program, detail).vertices for detail in range(len(DETAILS) + 1)]
+        assert counts == sorted(counts, reverse=True)
+        assert counts[-1] < 0.5 * counts[0]
+        mesh.release()
+        context.release()

@@ -22,7 +22,8 @@ LONGEST_CALL = 30.0
 """Computing time (s) in one native call after which the kernel ends the process (SIGXCPU)."""
 
 WAKE_SLICE = 100_000
-"""Time (ns) that an ordinary thread of the loop asks for at once; Linux serves short ones first."""
+"""Time (ns) that an ordinary thread of the loop, or of who hands commands on, asks for at once;
+Linux serves short ones first."""
 
 _ONE_PROCESSOR = "it has one processor only, which it would take from all others"
 
@@ -158,6 +159,15 @@ def _make_ordinary(thread: int) -> None:
     ctypes.CDLL(None).syscall(number, thread, wanted, 0)
 
 
+def ask_for_short_slices() -> None:
+    """Have all threads of this process, and those it starts, served sooner for less at a time.
+
+    That is for who hands commands on: it computes little, and what it waits, the robot waits. From
+    Linux 6.12 on; everybody may.
+    """
+    _each_thread(_make_ordinary)
+
+
 def may_come_first(priority: int) -> bool:
     """Tell whether a `LoopPriority` of this user would come before ordinary processes here.
 
@@ -175,8 +185,8 @@ def may_come_first(priority: int) -> bool:
     return True
 
 
-def step_back(niceness: int) -> None:
-    """Lower the priority of the calling thread, and of those it starts, against all others.
+def add_niceness(niceness: int) -> None:
+    """Change the priority of the calling thread, and of those it starts, against all others.
 
     Linux shares the processors among sessions first (sched_autogroup), and roslaunch gives every
     node a session of its own: niceness alone would change nothing there.
@@ -184,9 +194,14 @@ def step_back(niceness: int) -> None:
     Parameters
     ----------
     niceness : int
-        0 to 19; added to what the process has, and that of its session.
+        -20 to 19; added to what the thread has, and that of its session. Below 0 it raises the
+        priority, where the user may do that: root, or who has ``nice`` in limits.conf(5). Where
+        not, nothing changes.
     """
-    os.nice(niceness)
+    try:
+        os.nice(niceness)
+    except PermissionError:
+        return
     if os.getsid(0) == os.getpid():
         with contextlib.suppress(OSError):
             Path("/proc/self/autogroup").write_text(str(niceness))

@@ -18,6 +18,7 @@ import rospy
 from rospy.core import is_shutdown_requested
 
 from ..common.calm_log import calm_log
+from ..common.scheduling import ask_for_short_slices
 from .rospy_fixes.coarse_clock import read_clock_seldom
 from .rospy_fixes.connecting import miss_nothing
 from .rospy_fixes.direct_sending import send_directly
@@ -30,7 +31,11 @@ LONGEST_CALLBACK = 2.0
 
 
 def init_node(
-    name: str, anonymous: bool = False, own_signals: bool = False, coarse_clock: bool = False
+    name: str,
+    anonymous: bool = False,
+    own_signals: bool = False,
+    coarse_clock: bool = False,
+    prompt: bool = False,
 ) -> None:
     """Start a node that SIGINT and SIGTERM shut down, and that refuses requests of web pages.
 
@@ -47,7 +52,11 @@ def init_node(
         Whether the program does itself what signals ask for.
     coarse_clock : bool
         Whether sim time may be some hundredths of a second late, which saves processor time.
+    prompt : bool
+        Whether it hands commands to the robot: where the processor is full, it is then served soon.
     """
+    if prompt:
+        ask_for_short_slices()
     guard_xmlrpc()
     miss_nothing()
     send_directly()

@@ -14,7 +14,7 @@ import traceback
 from pathlib import Path
 from typing import Any, TextIO
 
-from telex_control.common.scheduling import step_back
+from telex_control.common.scheduling import add_niceness
 
 from .experiment import Experiment, Result, missing
 from .registry import by_name
@@ -71,7 +71,7 @@ def _work(options: argparse.Namespace, progress: TextIO) -> int:
         options.repeat,
     )
     if not experiment.in_wall_time:
-        step_back(NICENESS)
+        add_niceness(NICENESS)
     try:
         result = carry_out(experiment, session)
     except KeyboardInterrupt:

@@ -20,7 +20,7 @@ import rospy
 from rosbag import Bag, Compression
 
 from telex_control.common.child_processes import DIES_WITH_US
-from telex_control.common.scheduling import step_back
+from telex_control.common.scheduling import add_niceness
 from telex_control.ros.rospy_fixes.connecting import miss_nothing
 from telex_experiments.rigs.private_master import end_tree
 
@@ -259,7 +259,7 @@ def main() -> None:
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda *_: ended.set())
     # Where the processor is short, what is recorded may come late; what drives the robot may not.
-    step_back(_NICENESS)
+    add_niceness(_NICENESS)
     miss_nothing()
     rospy.init_node("recorder", anonymous=True, disable_signals=True)
     _await_clock(ended)

@@ -382,10 +382,10 @@ class CamerasConfig(Declared):
     seed: int = number(0, "Of all noise.", 0)
     niceness: Optional[int] = number(
         None,
-        "By how much the process steps back for others, above all for the physics, 0 to"
-        " 19. Left out, it is 0, or 10 where the simulator does not come before "
-        "ordinary processes.",
-        0,
+        "By how much the process steps back for others, above all for the physics, -20 to"
+        " 19; below 0 it comes before them, where its user may have that. Left out, it is -5, or"
+        " 10 where the simulator does not come before ordinary processes.",
+        -20,
         19,
     )
     software_threads: int = number(

@@ -26,7 +26,7 @@ def joy_main() -> int:
     int
         Exit status: 1 when its parameters are wrong.
     """
-    init_node("joy")
+    init_node("joy", prompt=True)
     try:
         settings = private_settings(JoySettings)
     except ConfigError as error:

@@ -258,7 +258,7 @@ def joy_teleop_main() -> int:
     int
         Exit status: 1 when its parameters or files are wrong.
     """
-    init_node("joy_teleop")
+    init_node("joy_teleop", prompt=True)
     try:
         settings = private_settings(JoyTeleopSettings)
         node = JoyTeleopNode(

@@ -63,7 +63,7 @@ def keyboard_main() -> int:
         master = os.environ.get("ROS_MASTER_URI", "unset")
         return _fail(f"no ROS master at ROS_MASTER_URI={master}; start the simulator first")
     # two operators may have a keyboard each, so the name is anonymous
-    init_node("keyboard_teleop", anonymous=True, own_signals=True)
+    init_node("keyboard_teleop", anonymous=True, own_signals=True, prompt=True)
     try:
         settings = _read_settings()
         robot = ShownRobot(

@@ -135,7 +135,7 @@ def run_node(name: str, start: Callable[[], object]) -> int:
     int
         Exit status: 1 when its parameters or the robot description are wrong.
     """
-    init_node(name, coarse_clock=True)
+    init_node(name, coarse_clock=True, prompt=True)
     try:
         node = start()
     except (ConfigError, UrdfError) as error:

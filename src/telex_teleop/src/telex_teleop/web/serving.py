@@ -7,7 +7,7 @@ import contextlib
 import signal
 import socket
 import sys
-from typing import Any, Callable, Type, TypeVar
+from typing import Any, Callable, Mapping, Type, TypeVar
 
 import rospy
 from aiohttp import web
@@ -41,7 +41,7 @@ def run_node(
     scheme: str,
     config_class: Type[Config],
     make_app: Callable[[Any], web.Application],
-    coarse_clock: bool = False,
+    **start: bool,
 ) -> int:
     """Run a server as a ROS node and return its exit status.
 
@@ -57,11 +57,11 @@ def run_node(
         Configuration dataclass with the fields `address` and `port`.
     make_app
         Makes the application from the configuration, on the loop's thread; may raise a ConfigError.
-    coarse_clock
-        See `telex_control.ros.node_start.init_node`.
+    start
+        Further arguments of `telex_control.ros.node_start.init_node`.
     """
     try:
-        return _run_node(name, scheme, config_class, make_app, coarse_clock)
+        return _run_node(name, scheme, config_class, make_app, start)
     except KeyboardInterrupt:  # before the loop handles it: there are no clients yet
         rospy.signal_shutdown("interrupted")
         return 130
@@ -72,11 +72,11 @@ def _run_node(
     scheme: str,
     config_class: Type[Config],
     make_app: Callable[[Any], web.Application],
-    coarse_clock: bool,
+    start: Mapping[str, bool],
 ) -> int:
     try:
         # The loop handles the signals: it has to disconnect its clients first.
-        init_node(name, own_signals=True, coarse_clock=coarse_clock)
+        init_node(name, own_signals=True, **start)
     except rospy.ROSException as error:
         print(f"{name}: {error}", file=sys.stderr)
         return 1

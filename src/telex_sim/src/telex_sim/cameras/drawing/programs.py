@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, Dict, Mapping, Optional, Tuple
 
 import moderngl
@@ -35,6 +36,8 @@ class LitProgram:
         Whether it has drawn anything; drivers compile it when it first does.
     frame
         Number of the frame whose pose it has as ``world_from_model``; None: of no known one.
+    opaqueness
+        Its ``opacity``; NaN: not known.
     """
 
     def __init__(
@@ -49,6 +52,7 @@ class LitProgram:
         self.program: Any = _compile(context, source)
         self.world_from_model: Any = self.program["world_from_model"]
         self.opacity: Any = self.program["opacity"]
+        self.opaqueness = math.nan
         self.has_drawn = False
         self.frame: Optional[int] = None
         if variant.textured:

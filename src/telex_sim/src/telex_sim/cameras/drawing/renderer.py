@@ -26,6 +26,7 @@ from .light.laser_dots import LaserDots
 from .light.sky_cover import SkyCover
 from .light.spots import Spots
 from .light.sun_shadows import ShadowMap
+from .meshes.gpu_mesh import DETAILS
 from .meshes.gpu_scene import Drawable, GpuScene
 from .programs import (
     COVER_MAP_UNIT,
@@ -40,6 +41,10 @@ from .programs import (
 from .quality import TIERS, Quality
 from .shaders import LitVariant
 from .smoothing import smooth_edges
+
+# What is smaller need not show in pictures with coarser shapes (pixels); nor what is smaller than
+# the finest of these.
+_COARSE_PIXELS = 1.5
 
 # Sizes of pictures whose memory is kept.
 _MOST_TARGETS = 12
@@ -364,7 +369,8 @@ class Renderer:
         self._begin_pass()
         framebuffer = target.begin()
         self._use_maps()
-        drawing.draw(solid, coarse)
+        details = self._details(camera, eye, coarse)
+        drawing.draw(solid, details)
         self._sky.draw(clip_from_optical, optical_in_world, exposure)
         framebuffer.depth_mask = False
         spots = self._dots.spots(camera, optical_in_world, exposure, coarse)
@@ -374,7 +380,7 @@ class Renderer:
         if transparent.size:
             self._context.enable(moderngl.BLEND)
             framebuffer.depth_mask = False
-            drawing.draw(transparent, coarse)
+            drawing.draw(transparent, details)
             framebuffer.depth_mask = True
         self._depth_source = target
         picture = target.read()
@@ -453,6 +459,16 @@ class Renderer:
             seen[~solid][np.argsort(-distances[~solid])],
         )
 
+    def _details(self, camera: PinholeCamera, eye: np.ndarray, coarse: bool) -> np.ndarray:
+        """Choose how coarse the shape of each drawable may be, shape (N,); see `GpuMesh.array`."""
+        scene = self._scene
+        if not coarse:
+            return np.zeros(len(scene.drawables), dtype=np.intp)
+        nearest = np.linalg.norm(self._centers - eye, axis=1) - scene.radii
+        details = np.searchsorted(DETAILS, _COARSE_PIXELS / camera.focal_length * nearest)
+        # A texture that is pulled about is seen from near.
+        return np.maximum(details, np.where(scene.textured, 0, 1))
+
     def _drawing(
         self,
         clip_from_world: np.ndarray,
@@ -530,11 +546,11 @@ class _Drawing:
         # What was drawn last: group, kind, and its program.
         self._last: Optional[Tuple[int, int, LitProgram]] = None
 
-    def draw(self, numbers: np.ndarray, coarse: bool) -> None:
-        """Draw surfaces in the given order."""
+    def draw(self, numbers: np.ndarray, details: np.ndarray) -> None:
+        """Draw surfaces in the given order, each in its detail of all, shape (N,)."""
         matrices = column_major(self._model[numbers])
-        frames = self._scene.frames[numbers].tolist()
-        for number, frame, matrix in zip(numbers.tolist(), frames, matrices):
+        frames, chosen = self._scene.frames[numbers].tolist(), details[numbers].tolist()
+        for number, frame, matrix, detail in zip(numbers.tolist(), frames, matrices, chosen):
             drawable = self._scene.drawables[number]
             kind = _kind(drawable.texture is not None, self._scene.covered[number])
             program = self._program(self._group_of[number], kind)
@@ -542,7 +558,7 @@ class _Drawing:
             if program.frame != frame:
                 program.frame = frame
                 program.world_from_model.write(matrix.tobytes())
-            drawable.draw(program, coarse)
+            drawable.draw(program, detail)
 
     def _program(self, number: int, kind: int) -> LitProgram:
         if self._last is not None and self._last[:2] == (number, kind):

@@ -26,9 +26,10 @@ Locate = Callable[[np.ndarray, float], np.ndarray]
 camera depends, and of the monotonic time (s)."""
 
 
-LARGE_WEIGHT = 3.0
+LARGE_WEIGHT, SMALL_WEIGHT = 1.5, 1.0
 """What pictures of full size count for beside previews when there is too little time: they keep
-their rate until previews have fallen to a third of theirs, whichever camera somebody looks through.
+their rate until previews have fallen to two thirds of theirs, whichever camera somebody looks
+through.
 """
 
 
@@ -85,6 +86,8 @@ class CameraStream:
         Of its noise.
     prefix
         Of its topics: namespace of another robot, with a slash at its end.
+    weight
+        What its pictures of full size count for.
     """
 
     def __init__(
@@ -97,8 +100,10 @@ class CameraStream:
         repeat_rate: float,
         seed: int,
         prefix: str = "",
+        weight: float = LARGE_WEIGHT,
     ) -> None:
         self.name = name
+        self._weight = weight
         self._topic = f"{prefix}cameras/{name}"
         self.scene_frame = scene_frame
         self.locate = locate
@@ -206,10 +211,10 @@ class CameraStream:
             return []
         wanted = []
         if self.wants_picture or _is_heard(self._info):
-            weight = LARGE_WEIGHT * (1.0 + self.config.priority)
+            weight = self._weight * (1.0 + self.config.priority)
             wanted.append(Wanted(self, False, self._full.pacer, weight))
         if _is_heard(self._preview) and not self.wants_picture:
-            wanted.append(Wanted(self, True, self._small.pacer, 1.0))
+            wanted.append(Wanted(self, True, self._small.pacer, SMALL_WEIGHT))
         return wanted
 
     @property

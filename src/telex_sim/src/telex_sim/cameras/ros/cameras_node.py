@@ -17,7 +17,7 @@ from telex_msgs.msg import SceneDescription, ScenePoses
 
 from telex_control.common.file_catalog import package_path
 from telex_control.common.params import ConfigError, read_config
-from telex_control.common.scheduling import may_come_first, step_back
+from telex_control.common.scheduling import add_niceness, may_come_first
 from telex_control.ros.node_start import init_node, until_shutdown
 
 from ...engine.simulator_config import read_simulator_config
@@ -35,7 +35,7 @@ from .scene_inbox import Arrival, SceneInbox
 from .scene_mirror import SceneMirror
 from .size_by_load import SizeByLoad
 
-_NICENESS, _NICENESS_BESIDE_ORDINARY = 0, 10
+_NICENESS, _NICENESS_BESIDE_ORDINARY = -5, 10
 """Of this process beside a simulator that comes first, and beside one that does not."""
 
 # Longest wait for the simulator before looking at who listens again (s).
@@ -306,7 +306,7 @@ def main() -> None:
     init_node("cameras")
     try:
         config = read_config(CamerasConfig, rospy.get_param("~", {}), rospy.get_name())
-        step_back(_niceness(config))
+        add_niceness(_niceness(config))
         # OpenCV and Mesa would otherwise start a thread for each core, which the physics needs.
         cv2.setNumThreads(1)
         os.environ.setdefault("LP_NUM_THREADS", str(config.software_threads))

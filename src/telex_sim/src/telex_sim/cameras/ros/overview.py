@@ -12,7 +12,7 @@ from telex_control.ros.pose_messages import fill_pose
 
 from ...scene.model import WORLD_FRAME
 from ..cameras_config import OVERVIEW, OverviewConfig, ViewConfig
-from .camera_topics import CameraStream
+from .camera_topics import SMALL_WEIGHT, CameraStream
 from .overview_rig import OverviewRig
 
 
@@ -45,6 +45,8 @@ class Overview:
             repeat_rate=config.rate,
             seed=seed,
             prefix=prefix,
+            # Whoever drives comes before whoever watches.
+            weight=SMALL_WEIGHT,
         )
         self._subscriber = rospy.Subscriber(
             f"{prefix}cameras/{OVERVIEW}/view",

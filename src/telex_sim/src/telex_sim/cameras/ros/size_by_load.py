@@ -34,6 +34,7 @@ STEPS = (
     SizeStep(1.0, 0.75, True, False, 2.0),
     SizeStep(0.75, 0.75, True, False, 2.0),
     SizeStep(0.5, 0.75, True, True, 4.0),
+    SizeStep(0.5, 0.6, True, True, 4.0),
 )
 
 # Full pictures in more than their size, where there is time to spare; the largest first.
@@ -52,8 +53,9 @@ _MOST_PATIENCE = 80
 # pictures.
 _FULL, _EASY = 0.88, 0.75
 
-# Previews may fall to this share of their rate before pictures lose detail.
-_LEAST_PREVIEWS = 0.8
+# Previews may fall to this share of their rate before pictures lose detail; from the other on, they
+# lose two steps of it at once.
+_LEAST_PREVIEWS, _FAR_BEHIND = 0.9, 0.6
 
 
 class SizeByLoad:
@@ -110,8 +112,10 @@ class SizeByLoad:
             return
         # After a long silence, this would tell nothing.
         if passed < 2.0 * _PERIOD:
-            behind = self._previews < _LEAST_PREVIEWS * self._asked * passed
-            self._weigh(1.0 - self._rest / passed, behind)
+            asked = self._asked * passed
+            behind = self._previews < _LEAST_PREVIEWS * asked
+            far = self._previews < _FAR_BEHIND * asked
+            self._weigh(1.0 - self._rest / passed, behind, 2 if far else 1)
         self._begin(now)
 
     def _begin(self, now: float) -> None:
@@ -124,7 +128,7 @@ class SizeByLoad:
         growth = larger / self.step.scale if larger > 1.0 else 1.0
         return _EASY / growth**2
 
-    def _weigh(self, busy: float, behind: bool) -> None:
+    def _weigh(self, busy: float, behind: bool, stride: int) -> None:
         self._since_larger += 1
         # What is larger than asked for gives way before anything falls behind.
         behind = behind or self.step.scale > 1.0
@@ -137,7 +141,7 @@ class SizeByLoad:
         if self._streak >= _TOO_BUSY_FOR and self._number < len(self._steps) - 1:
             if self._since_larger < _MOST_PATIENCE:
                 self._patience = min(2 * self._patience, _MOST_PATIENCE)
-            self._number += 1
+            self._number = min(self._number + stride, len(self._steps) - 1)
             self._streak = 0
         elif -self._streak >= self._patience and self._number:
             self._number -= 1

@@ -69,4 +69,4 @@ def _sharing(own: Mapping[str, str], app: web.Application) -> web.Application:
 
 def main() -> int:
     """Run the node and return its exit status."""
-    return run_node("rosbridge", "ws", RosbridgeConfig, _make_app, coarse_clock=True)
+    return run_node("rosbridge", "ws", RosbridgeConfig, _make_app, coarse_clock=True, prompt=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Dict, Optional, Tuple
+from typing import Dict, Optional
 
 import moderngl
 import numpy as np
@@ -21,12 +21,51 @@ _ATTRIBUTES = (
 )
 
 
-# What is smaller need not show in small pictures while there is too little time (m), and what has
-# fewer triangles is not worth it.
-_COARSE_DETAIL, _COARSE_FROM = 0.01, 100
+DETAILS = (0.01, 0.03, 0.09)
+"""What is smaller need not show in the first, second, ... coarser shape of a mesh (m)."""
+
+# What has fewer triangles has no coarser shapes: they are not worth it.
+_COARSE_FROM = 100
 
 # What has fewer triangles throws its shadow as it is: to look a simpler shape up takes longer.
 _SIMPLIFIED_FROM = 200
+
+
+class _Shape:
+    """A mesh in one detail: its buffers, and what draws it with each program."""
+
+    def __init__(
+        self, context: moderngl.Context, vertices: np.ndarray, triangles: np.ndarray
+    ) -> None:
+        self._context = context
+        self.vertices = context.buffer(vertices.tobytes())
+        self._triangles = context.buffer(np.ascontiguousarray(triangles).tobytes())
+        self._arrays: Dict[moderngl.Program, moderngl.VertexArray] = {}
+
+    def array(self, program: moderngl.Program) -> moderngl.VertexArray:
+        """What draws it with a program."""
+        if program not in self._arrays:
+            self._arrays[program] = self._array(program)
+        return self._arrays[program]
+
+    def _array(self, program: moderngl.Program) -> moderngl.VertexArray:
+        # A program takes the attributes that it knows of the vertex.
+        layout, names = [], []
+        for form, size, name in _ATTRIBUTES:
+            if name in program:
+                layout.append(form)
+                names.append(name)
+            else:
+                layout.append(f"{size}x")
+        content = [(self.vertices, " ".join(layout), *names)]
+        return self._context.vertex_array(program, content, self._triangles)
+
+    def release(self) -> None:
+        """Free the memory."""
+        for array in self._arrays.values():
+            array.release()
+        self.vertices.release()
+        self._triangles.release()
 
 
 class GpuMesh:
@@ -62,81 +101,77 @@ class GpuMesh:
         self._context = context
         self._store = store
         self._fine = vertices, triangles
-        self._coarse: Optional[Tuple[moderngl.Buffer, moderngl.Buffer]] = None
-        self._coarse_arrays: Dict[moderngl.Program, moderngl.VertexArray] = {}
-        self._vertices = context.buffer(vertices.tobytes())
-        self._triangles = context.buffer(np.ascontiguousarray(triangles).tobytes())
+        # By their detail; what is not worth a coarser shape has the same one again.
+        self._shapes: Dict[int, _Shape] = {0: _Shape(context, vertices, triangles)}
         positions = vertices["position"]
         outline = positions, triangles
         if len(triangles) >= _SIMPLIFIED_FROM:
             outline = store.get(simplified, positions, triangles, shadow_detail)
         self._outline = tuple(context.buffer(np.ascontiguousarray(part)) for part in outline)
-        self._arrays: Dict[moderngl.Program, moderngl.VertexArray] = {}
+        self._outlines: Dict[moderngl.Program, moderngl.VertexArray] = {}
         self.center = 0.5 * (positions.min(axis=0) + positions.max(axis=0)).astype(np.float64)
         self.half = 0.5 * np.ptp(positions, axis=0).astype(np.float64)
         self.radius = float(np.linalg.norm(positions - self.center, axis=1).max())
 
-    def array(self, program: moderngl.Program) -> moderngl.VertexArray:
-        """What draws it with a program."""
-        if program not in self._arrays:
-            self._arrays[program] = self._array(program, self._vertices, self._triangles)
-        return self._arrays[program]
+    def array(self, program: moderngl.Program, detail: int = 0) -> moderngl.VertexArray:
+        """What draws it with a program.
 
-    def coarse_array(self, program: moderngl.Program) -> moderngl.VertexArray:
-        """What draws it with fewer triangles; made when it is first asked for.
-
-        What has a texture stays as it is: merged, its vertices would pull the texture about.
+        Parameters
+        ----------
+        detail
+            0: as it is; else with fewer triangles, made when they are first asked for: nothing
+            moves by more than a few times ``DETAILS[detail - 1]``.
         """
-        vertices, triangles = self._fine
-        if len(triangles) < _COARSE_FROM or vertices["uv"].any():
-            return self.array(program)
-        if self._coarse is None:
-            self._coarse = self._upload(*self._store.get(coarser, *self._fine, _COARSE_DETAIL))
-        if program not in self._coarse_arrays:
-            self._coarse_arrays[program] = self._array(program, *self._coarse)
-        return self._coarse_arrays[program]
+        return self._shape(detail).array(program)
 
-    def _upload(
-        self, vertices: np.ndarray, triangles: np.ndarray
-    ) -> Tuple[moderngl.Buffer, moderngl.Buffer]:
-        """Take over the coarser mesh."""
-        return (
-            self._context.buffer(vertices.tobytes()),
-            self._context.buffer(np.ascontiguousarray(triangles).tobytes()),
-        )
-
-    def _array(
-        self, program: moderngl.Program, vertices: moderngl.Buffer, triangles: moderngl.Buffer
-    ) -> moderngl.VertexArray:
-        # A program takes the attributes that it knows of the vertex.
-        layout, names = [], []
-        for form, size, name in _ATTRIBUTES:
-            if name in program:
-                layout.append(form)
-                names.append(name)
+    def _shape(self, detail: int) -> _Shape:
+        if detail not in self._shapes:
+            if len(self._fine[1]) < _COARSE_FROM:
+                self._shapes[detail] = self._shapes[0]
             else:
-                layout.append(f"{size}x")
-        content = [(vertices, " ".join(layout), *names)]
-        return self._context.vertex_array(program, content, triangles)
+                coarse = self._store.get(coarser, *self._fine, DETAILS[detail - 1])
+                self._shapes[detail] = self._make_shape(detail, *coarse)
+        return self._shapes[detail]
+
+    def _make_shape(self, detail: int, vertices: np.ndarray, triangles: np.ndarray) -> _Shape:
+        """Take over a coarser shape."""
+        return _Shape(self._context, vertices, triangles)
 
     def outline(self, program: moderngl.Program) -> moderngl.VertexArray:
         """What draws its shape alone, more coarsely, with a program that takes positions."""
-        if program not in self._arrays:
+        if program not in self._outlines:
             positions, triangles = self._outline
             content = [(positions, "3f", "in_position")]
-            self._arrays[program] = self._context.vertex_array(program, content, triangles)
-        return self._arrays[program]
+            self._outlines[program] = self._context.vertex_array(program, content, triangles)
+        return self._outlines[program]
 
     def release(self) -> None:
         """Free the memory."""
-        for array in (*self._arrays.values(), *self._coarse_arrays.values()):
-            array.release()
-        for buffer in (self._vertices, self._triangles, *self._outline, *(self._coarse or ())):
+        for shape in set(self._shapes.values()):
+            shape.release()
+        for outline in self._outlines.values():
+            outline.release()
+        for buffer in self._outline:
             buffer.release()
 
 
 # Travel that nobody could see (m).
 _STILL = 1e-4
+
+
+class _Running:
+    """The vertices of one shape of a belt; it is brought to where the belt is when it is drawn."""
+
+    def __init__(self, vertices: np.ndarray, riders: Riders) -> None:
+        self._vertices = vertices
+        self._riders = riders
+        self.shown = 0.0
+
+    def at(self, travel: float) -> np.ndarray:
+        """Return them after the belt has travelled so far (m)."""
+        self.shown = travel
+        self._vertices["position"], self._vertices["normal"] = self._riders.at(travel)
+        return self._vertices
 
 
 class BeltMesh(GpuMesh):
@@ -166,34 +201,25 @@ class BeltMesh(GpuMesh):
     ) -> None:
         rest, triangles = store.get(subdivided, vertices, triangles)
         super().__init__(context, rest, triangles, shadow_detail, store)
-        self._running = rest.copy()
         self._path = belt_outline(rest["position"])
-        self._surface = self._riders(store, rest["position"], rest["normal"])
+        self._running = {0: self._surface(rest)}
         silhouette = np.frombuffer(self._outline[0].read(), dtype=np.float32).reshape(-1, 3)
-        self._silhouette = self._riders(store, silhouette)
-        self._coarse_running = rest
-        self._coarse_surface: Optional[Riders] = None
+        self._silhouette = self._riders(silhouette)
+        self._silhouette_shown = 0.0
         self._radius: Optional[float] = None
         self._angle = 0.0
-        self._shown = 0.0
+        self._travel = 0.0
 
-    def _riders(
-        self, store: ContentStore, positions: np.ndarray, normals: Optional[np.ndarray] = None
-    ) -> Riders:
-        places = Carried(*store.get(carried, self._path, positions))
+    def _riders(self, positions: np.ndarray, normals: Optional[np.ndarray] = None) -> Riders:
+        places = Carried(*self._store.get(carried, self._path, positions))
         return Riders(self._path, places, positions, normals)
 
-    def _upload(
-        self, vertices: np.ndarray, triangles: np.ndarray
-    ) -> Tuple[moderngl.Buffer, moderngl.Buffer]:
-        self._coarse_running = vertices.copy()
-        self._coarse_surface = self._riders(self._store, vertices["position"], vertices["normal"])
-        self._carry(self._coarse_surface, self._coarse_running)
-        return super()._upload(self._coarse_running, triangles)
+    def _surface(self, vertices: np.ndarray) -> _Running:
+        return _Running(vertices.copy(), self._riders(vertices["position"], vertices["normal"]))
 
-    def _carry(self, riders: Riders, vertices: np.ndarray) -> None:
-        """Move vertices to where the belt is shown."""
-        vertices["position"], vertices["normal"] = riders.at(self._shown)
+    def _make_shape(self, detail: int, vertices: np.ndarray, triangles: np.ndarray) -> _Shape:
+        self._running[detail] = self._surface(vertices)
+        return super()._make_shape(detail, vertices, triangles)
 
     def run(self, belt_in_world: np.ndarray, wheel_in_world: np.ndarray) -> None:
         """Move to where the wheel that drives it has turned; poses have the shape (4, 4)."""
@@ -203,14 +229,20 @@ class BeltMesh(GpuMesh):
         angle = belt_angle(belt_in_world, wheel_in_world)
         # A wheel need not have a whole number of cleats: its turns have to be counted.
         self._angle += math.remainder(angle - self._angle, 2.0 * math.pi)
-        travel = self._radius * self._angle
-        if abs(travel - self._shown) < _STILL:
-            return
-        self._shown = travel
-        self._carry(self._surface, self._running)
-        self._vertices.write(self._running)
-        if self._coarse is not None and self._coarse_surface is not None:
-            self._carry(self._coarse_surface, self._coarse_running)
-            self._coarse[0].write(self._coarse_running)
-        silhouette, _ = self._silhouette.at(travel)
-        self._outline[0].write(silhouette)
+        self._travel = self._radius * self._angle
+
+    def array(self, program: moderngl.Program, detail: int = 0) -> moderngl.VertexArray:
+        """What draws it where it has run to; as for `GpuMesh`."""
+        shape = self._shape(detail)
+        running = self._running.get(detail, self._running[0])
+        if abs(self._travel - running.shown) >= _STILL:
+            shape.vertices.write(running.at(self._travel))
+        return shape.array(program)
+
+    def outline(self, program: moderngl.Program) -> moderngl.VertexArray:
+        """What draws its shape alone, where it has run to."""
+        if abs(self._travel - self._silhouette_shown) >= _STILL:
+            self._silhouette_shown = self._travel
+            silhouette, _ = self._silhouette.at(self._travel)
+            self._outline[0].write(silhouette)
+        return super().outline(program)

@@ -37,14 +37,13 @@ class Drawable:
         sides = () if self.texture is None else self.texture.size
         return tuple(not side & (side - 1) for side in sides)
 
-    def draw(self, program: LitProgram, coarse: bool = False) -> None:
+    def draw(self, program: LitProgram, detail: int = 0) -> None:
         """Draw it, or a coarser shape of it, where the program has been told that it is."""
         if self.texture is not None:
             self.texture.use(PICTURE_UNIT)
-        program.opacity.value = self.opacity
-        mesh = self.mesh
-        array = mesh.coarse_array if coarse else mesh.array
-        array(program.program).render()
+        if program.opaqueness != self.opacity:
+            program.opaqueness = program.opacity.value = self.opacity
+        self.mesh.array(program.program, detail).render()
         program.has_drawn = True
 
 
@@ -75,7 +74,7 @@ class GpuScene:
         shape (N, 3).
     boxes
         Their frames from a cube of side 2 that is stretched around each, shape (N, 4, 4).
-    casts_shadow, transparent, fixed
+    casts_shadow, transparent, fixed, textured
         Shape (N,), bool; fixed is what belongs to the world itself and never moves.
     covered
         Whether each never moves and things can stand on it.
@@ -182,6 +181,7 @@ class GpuScene:
         self.boxes[:, :3, 3] = self.centers
         self.boxes[:, range(3), range(3)] = halves
         self.casts_shadow = np.array([batch.casts_shadow for _, batch in items], dtype=bool)
+        self.textured = np.array([item.texture is not None for item in self.drawables], dtype=bool)
         self.fixed = np.array([batch.frame == WORLD for _, batch in items], dtype=bool)
         self.covered = [batch.frame == WORLD and batch.carries for _, batch in items]
         self.transparent = np.array([batch.opacity < 1.0 for _, batch in items], dtype=bool)

@@ -9,6 +9,9 @@ import numpy as np
 # Cells' borders avoid zero and round numbers, where rounding would part points in the same place.
 _OFF_GRID = 0.3819
 
+# Into so many parts along each side a texture is cut, whose vertices are not merged.
+_PARTS = 16.0
+
 
 def simplified(
     positions: np.ndarray, triangles: np.ndarray, detail: float
@@ -53,7 +56,7 @@ def coarser(
     Parameters
     ----------
     vertices
-        Shape (V,), of `batching.VERTEX`; without a texture.
+        Shape (V,), of `batching.VERTEX`. A texture moves with them.
     triangles, detail
         As for `simplified`; above 0.
 
@@ -66,7 +69,9 @@ def coarser(
     positions, normals = vertices["position"], vertices["normal"]
     _, cell = _groups(np.floor(positions / detail + _OFF_GRID).astype(np.int32))
     sides = np.round(normals).astype(np.int32)
-    alike = np.column_stack([cell, sides, vertices["color"].astype(np.int32)])
+    # Where a texture begins anew, neighbours lie far apart in it.
+    places = np.round(_PARTS * vertices["uv"]).astype(np.int32)
+    alike = np.column_stack([cell, sides, vertices["color"].astype(np.int32), places])
     first, cluster = _groups(alike)
     corners = cell[triangles]
     a, b, c = corners.T
@@ -75,6 +80,7 @@ def coarser(
         return vertices, triangles
     merged = vertices[first].copy()
     merged["position"] = _means(positions, cell)[cell[first]]
+    merged["uv"] = _means(vertices["uv"], cluster)
     means = _means(normals, cluster)
     sizes = np.linalg.norm(means, axis=1, keepdims=True)
     merged["normal"] = np.where(sizes > 1e-3, means / np.maximum(sizes, 1e-3), normals[first])
@@ -90,7 +96,7 @@ def _groups(rows: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
 def _means(vectors: np.ndarray, group: np.ndarray) -> np.ndarray:
     """Mean of the vectors of each group."""
     count = np.bincount(group)
-    return np.stack([np.bincount(group, vectors[:, axis]) / count for axis in range(3)], axis=1)
+    return np.stack([np.bincount(group, column) / count for column in vectors.T], axis=1)
 
 
 def _distinct(triangles: np.ndarray) -> np.ndarray:
