@@ -257,6 +257,30 @@ class TestCoarser:
         colors = np.unique(coarser(vertices, ball.triangles, 0.02)[0]["color"], axis=0)
         assert colors.tolist() == [[200, 0, 0, 0], [200, 255, 0, 0]]
 
+    def test_paint_stays_before_the_plate_that_it_lies_on(self):
+        plate, paint = box_mesh((0.2, 0.0195, 0.1)), box_mesh((0.18, 0.0198, 0.04))
+        ball = sphere_mesh(0.1)
+        parts = [
+            vertices_of(plate, (30, 30, 30, 0)),
+            vertices_of(paint, (240, 130, 10, 0)),
+            vertices_of(ball),
+        ]
+        parts[2]["position"] += (0.4, 0.0, 0.0)
+        begins = np.cumsum([0, *(len(part) for part in parts)])
+        triangles = np.concatenate(
+            [mesh.triangles + begin for mesh, begin in zip((plate, paint, ball), begins.tolist())]
+        )
+        merged, left = coarser(np.concatenate(parts), triangles, 0.01)
+        assert len(left) < len(triangles)
+        faces = merged[left]
+        towards = (faces["normal"][:, :, 1] > 0.9).all(axis=1)
+        heights = {
+            color: faces["position"][towards & (faces["color"][:, 0, 0] == color)][:, :, 1]
+            for color in (30, 240)
+        }
+        assert heights[30] == pytest.approx(0.00975)
+        assert heights[240] == pytest.approx(0.0099)
+
     def test_a_texture_that_goes_around_is_not_drawn_back_where_it_ends(self):
         drum = cylinder_mesh(0.3, 0.9)
         vertices = vertices_of(drum)
