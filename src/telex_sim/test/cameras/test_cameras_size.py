@@ -29,7 +29,7 @@ def sizes():
 
 def test_previews_lose_detail_first_and_full_pictures_are_not_below_the_smallest(sizes):
     assert sizes.step.shadow_spacing == 1.0
-    steps = run(sizes, 9, previews=30)
+    steps = run(sizes, 9, previews=40)
     assert steps == [FULL, *[COARSER] * 2, *[SMALLER] * 2, *[SMALL] * 2, *[SMALLEST] * 2]
     assert sizes.step.shadow_spacing == 4.0
     assert sizes.step.coarse
@@ -49,7 +49,7 @@ def test_who_has_time_is_not_behind_for_want_of_it(sizes):
 
 
 def test_waiting_for_poses_between_pictures_is_no_time_left(sizes):
-    assert run(sizes, 2, previews=35, busy=0.92) == [FULL, COARSER]
+    assert run(sizes, 2, previews=40, busy=0.92) == [FULL, COARSER]
 
 
 def test_nobody_watches_previews(sizes):
@@ -63,11 +63,11 @@ def test_one_bad_second_changes_nothing(sizes):
 
 
 def test_larger_again_when_there_is_time_and_ever_more_seldom_where_it_was_too_much(sizes):
-    run(sizes, 2, previews=30)
+    run(sizes, 2, previews=40)
     assert sizes.step.coarse_previews
     eased = run(sizes, 6, previews=50, busy=0.6, begin=2.0)
     assert eased == [COARSER] * 4 + [FULL] * 2
-    run(sizes, 2, previews=30, begin=8.0)
+    run(sizes, 2, previews=40, begin=8.0)
     assert run(sizes, 12, previews=50, busy=0.6, begin=10.0) == [COARSER] * 9 + [FULL] * 3
 
 

@@ -55,7 +55,7 @@ _FULL, _EASY = 0.88, 0.75
 
 # Previews may fall to this share of their rate before pictures lose detail; from the other on, they
 # lose two steps of it at once.
-_LEAST_PREVIEWS, _FAR_BEHIND = 0.9, 0.6
+_LEAST_PREVIEWS, _FAR_BEHIND = 0.9, 0.75
 
 
 class SizeByLoad:
