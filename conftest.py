@@ -99,7 +99,7 @@ def step_back() -> None:
     It gets a session of its own: the nodes of a launch have theirs, and Linux shares the processors
     among sessions first.
     """
-    from telex_control.common.scheduling import step_back as lower
+    from telex_control.common.scheduling import add_niceness as lower
 
     os.setsid()
     lower(PATIENCE)
