@@ -5,7 +5,7 @@ import pytest
 from telex_sim.cameras.ros.size_by_load import SizeByLoad
 
 FULL, COARSER, SMALLER = (1.0, 1.0), (1.0, 0.75), (0.75, 0.75)
-SMALL, SMALLEST = (0.5, 0.75), (0.5, 0.6)
+SMALL, SMALLEST = (0.5, 0.75), (0.4, 0.6)
 
 
 def run(sizes, seconds, previews, asked=50.0, busy=1.0, begin=0.0):
@@ -22,7 +22,7 @@ def run(sizes, seconds, previews, asked=50.0, busy=1.0, begin=0.0):
 
 @pytest.fixture
 def sizes():
-    found = SizeByLoad(0.5)
+    found = SizeByLoad(0.4)
     found.judge(0.0, 50.0)
     return found
 
@@ -31,7 +31,7 @@ def test_previews_lose_detail_first_and_full_pictures_are_not_below_the_smallest
     assert sizes.step.shadow_spacing == 1.0
     steps = run(sizes, 9, previews=40)
     assert steps == [FULL, *[COARSER] * 2, *[SMALLER] * 2, *[SMALL] * 2, *[SMALLEST] * 2]
-    assert sizes.step.shadow_spacing == 4.0
+    assert sizes.step.shadow_spacing == 6.0
     assert sizes.step.coarse
 
 

@@ -34,7 +34,7 @@ STEPS = (
     SizeStep(1.0, 0.75, True, False, 2.0),
     SizeStep(0.75, 0.75, True, False, 2.0),
     SizeStep(0.5, 0.75, True, True, 4.0),
-    SizeStep(0.5, 0.6, True, True, 4.0),
+    SizeStep(0.4, 0.6, True, True, 6.0),
 )
 
 # Full pictures in more than their size, where there is time to spare; the largest first.
