@@ -112,6 +112,7 @@ FOREIGN = """
 os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
 assert not scheduling.may_come_first(1)
 why_not = scheduling.LoopPriority(1).take()
+scheduling.ask_for_short_slices()
 assert policies() == {os.SCHED_BATCH}
 print(why_not)
 """

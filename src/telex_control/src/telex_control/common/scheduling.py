@@ -163,9 +163,10 @@ def ask_for_short_slices() -> None:
     """Have all threads of this process, and those it starts, served sooner for less at a time.
 
     That is for who hands commands on: it computes little, and what it waits, the robot waits. From
-    Linux 6.12 on; everybody may.
+    Linux 6.12 on; everybody may. A process that was started with a scheduler of its own keeps it.
     """
-    _each_thread(_make_ordinary)
+    if os.sched_getscheduler(0) == os.SCHED_OTHER:
+        _each_thread(_make_ordinary)
 
 
 def may_come_first(priority: int) -> bool:
