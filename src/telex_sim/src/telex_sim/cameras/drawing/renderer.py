@@ -26,7 +26,7 @@ from .light.laser_dots import LaserDots
 from .light.sky_cover import SkyCover
 from .light.spots import Spots
 from .light.sun_shadows import ShadowMap
-from .meshes.gpu_mesh import DETAILS
+from .meshes.gpu_mesh import COARSE_PIXELS, DETAILS
 from .meshes.gpu_scene import Drawable, GpuScene
 from .programs import (
     COVER_MAP_UNIT,
@@ -41,10 +41,6 @@ from .programs import (
 from .quality import TIERS, Quality
 from .shaders import LitVariant
 from .smoothing import smooth_edges
-
-# What is smaller need not show in pictures with coarser shapes (pixels); nor what is smaller than
-# the finest of these.
-_COARSE_PIXELS = 1.5
 
 # Sizes of pictures whose memory is kept.
 _MOST_TARGETS = 12
@@ -465,7 +461,7 @@ class Renderer:
         if not coarse:
             return np.zeros(len(scene.drawables), dtype=np.intp)
         nearest = np.linalg.norm(self._centers - eye, axis=1) - scene.radii
-        details = np.searchsorted(DETAILS, _COARSE_PIXELS / camera.focal_length * nearest)
+        details = np.searchsorted(DETAILS, COARSE_PIXELS / camera.focal_length * nearest)
         # A texture that is pulled about is seen from near.
         return np.maximum(details, np.where(scene.textured, 0, 1))
 

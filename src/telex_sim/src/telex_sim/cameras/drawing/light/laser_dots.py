@@ -9,6 +9,7 @@ import numpy as np
 
 from ...optics.pinhole import PinholeCamera
 from ..culling import spheres_in_view
+from ..meshes.gpu_mesh import COARSE_PIXELS
 from ..meshes.gpu_scene import GpuScene
 from ..programs import column_major, depth_program
 from .daylight import unit
@@ -26,7 +27,7 @@ _SPREAD = 0.001
 _STEEPEST = 6.0
 
 # By what a dot lies nearer to the camera than its surface (m; per metre of distance), and by how
-# much more where the surface is drawn coarsely.
+# much more, at least, where the surface is drawn coarsely.
 _LIFT, _LIFT_BY_DISTANCE, _LIFT_COARSE = 0.0015, 0.001, 0.012
 
 
@@ -162,7 +163,9 @@ class LaserDots:
             ahead = -float(to_eye @ forward)
             if ahead <= 0.0:
                 continue
-            lift = _LIFT + _LIFT_BY_DISTANCE * distance + (_LIFT_COARSE if coarse else 0.0)
+            lift = _LIFT + _LIFT_BY_DISTANCE * distance
+            if coarse:
+                lift += max(_LIFT_COARSE, COARSE_PIXELS * distance / camera.focal_length)
             radius = max(_RADIUS, _LEAST_RADIUS * ahead / camera.focal_length)
             place = middle + to_eye * min(lift / distance, 0.5)
             shown.append(spot(place, radius * across, radius * along, exposure * light))

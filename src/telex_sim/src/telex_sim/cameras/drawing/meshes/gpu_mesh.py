@@ -24,6 +24,10 @@ _ATTRIBUTES = (
 DETAILS = (0.01, 0.03, 0.09)
 """What is smaller need not show in the first, second, ... coarser shape of a mesh (m)."""
 
+COARSE_PIXELS = 1.5
+"""What is smaller need not show in pictures with coarser shapes (pixels); nor what is smaller than
+the first of `DETAILS`."""
+
 # What has fewer triangles has no coarser shapes: they are not worth it.
 _COARSE_FROM = 100
 
