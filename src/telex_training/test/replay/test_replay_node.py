@@ -106,6 +106,8 @@ class TestServices:
         wait_until(
             lambda: station.poses and station.poses[-1].header.stamp.to_sec() > 11.0, "the poses"
         )
+        # Each topic has a connection of its own: one may be made before another.
+        wait_until(lambda: station.scenes and station.joints, "the scene and the joints")
         # Recorded time begins at 10.02 s.
         assert station.poses[-1].header.stamp.to_sec() == pytest.approx(11.02, abs=0.021)
         assert len(station.poses[-1].poses) == 7 * len(station.scenes[-1].frames)
