@@ -13,7 +13,7 @@ import pytest
 from telex_experiments.mobility import flat, hold, novice, random_commands
 from telex_experiments.mobility.balance import bearing, quasi_static, wheeled
 from telex_experiments.mobility.balance.falls import FallWatch, slow_falls
-from telex_experiments.mobility.offline import Trial
+from telex_experiments.mobility.offline import OfflineTrial
 from telex_experiments.mobility.suite import Obstacle, all_obstacles, attempt
 from telex_experiments.mobility.watch import RunWatch
 from telex_training.operators import by_presets
@@ -28,7 +28,7 @@ pytestmark = pytest.mark.slow
 OBSTACLES: Dict[str, Obstacle] = {obstacle.name: obstacle for obstacle in all_obstacles()}
 
 
-def state(trial: Trial) -> Tuple[float, ...]:
+def state(trial: OfflineTrial) -> Tuple[float, ...]:
     linear, angular = trial.velocity()
     return (*trial.simulation.link_poses(), *linear, *angular)
 
@@ -142,7 +142,7 @@ def test_the_operator_sees_the_ramps_as_they_stand() -> None:
 def test_gains_shrink_with_a_longer_control_period(caplog: pytest.LogCaptureFixture) -> None:
     def damping(step_size: float) -> List[float]:
         caplog.clear()
-        with Trial(step_size=step_size) as trial:
+        with OfflineTrial(step_size=step_size) as trial:
             flipper = trial.node.params()["front_left_flipper_position_controller"]
             return [flipper["pid"]["d"], _brake(trial.urdf)]
 
@@ -161,7 +161,7 @@ def _brake(urdf: str) -> float:
 
 def test_stairs_are_climbed_and_the_robot_stands_whole_on_the_landing() -> None:
     flight = Stairs(0.20, 0.20, steps=4, friction=1.1)
-    with Trial(flight.objects(), {"x": flight.foot - 0.9}, flight.friction) as trial:
+    with OfflineTrial(flight.objects(), {"x": flight.foot - 0.9}, flight.friction) as trial:
         watch = FallWatch(trial)
         stairs.climb(trial.operator, flight)
         assert watch.warned == 0.0
@@ -172,7 +172,7 @@ def test_stairs_are_climbed_and_the_robot_stands_whole_on_the_landing() -> None:
 def test_flat_stairs_are_descended_without_a_drop() -> None:
     flight = Stairs(0.15, 0.30, steps=3, landing=1.2)
     pitches: List[float] = []
-    with Trial(flight.objects(), {"x": -3.0}) as trial:
+    with OfflineTrial(flight.objects(), {"x": -3.0}) as trial:
         trial.place((flight.edge - 0.85, 0.0, flight.height + 0.111), (0.0, 0.0, 0.0, 1.0))
         trial.each_step.append(lambda: pitches.append(-trial.operator.pose.rise))
         stairs.descend(trial.operator, flight)
@@ -191,12 +191,12 @@ def test_the_same_script_leads_to_the_same_state_to_the_last_bit() -> None:
 
 
 def test_the_robot_drives_as_fast_as_it_is_told() -> None:
-    with Trial() as trial:
+    with OfflineTrial() as trial:
         assert flat.straight(trial, 0.5, seconds=1.0).speed == pytest.approx(0.5, rel=0.01)
 
 
 def test_the_robot_turns_in_place_as_fast_as_it_is_told() -> None:
-    with Trial() as trial:
+    with OfflineTrial() as trial:
         found = flat.turn(trial, 1.0, seconds=3.0)
     assert found.rate == pytest.approx(1.0, rel=0.02)
     assert found.drift < 0.05
@@ -224,12 +224,14 @@ def test_statics_say_what_the_front_must_bear_on_a_step() -> None:
 def test_a_step_that_is_too_high_is_not_managed() -> None:
     obstacle = OBSTACLES["step 50 cm, mu 1.0"]
     wall = [{**obstacle.objects[0], "height": 1.5}]
-    with Trial(wall, {"x": -0.8}) as trial, pytest.raises(NotManagedError, match=r"x -0\.\d+"):
+    with OfflineTrial(wall, {"x": -0.8}) as trial, pytest.raises(
+        NotManagedError, match=r"x -0\.\d+"
+    ):
         obstacle.script(trial.operator)
 
 
 def test_a_robot_on_its_side_is_noticed() -> None:
-    with Trial() as trial:
+    with OfflineTrial() as trial:
         trial.place((0.0, 0.0, 0.4), (math.sin(0.8), 0.0, 0.0, math.cos(0.8)))
         with pytest.raises(NotManagedError, match="tipped over"):
             trial.operator.wait(2.0)
@@ -253,7 +255,7 @@ def test_random_commands_are_watched_at_every_step() -> None:
 
 
 def test_the_watch_sees_what_cannot_have_happened() -> None:
-    with Trial(pose="look_front") as trial:
+    with OfflineTrial(pose="look_front") as trial:
         watch, rated = RunWatch(trial), random_commands.rated_power(trial) * trial.step_size
         trial.operator.wait(0.4)
         assert watch.gain < rated
@@ -275,7 +277,7 @@ def test_an_operator_keeps_its_lane() -> None:
     def far_from(operator: Operator) -> float:
         return abs(operator.pose.y - 0.3)
 
-    with Trial() as trial:
+    with OfflineTrial() as trial:
         operator = trial.operator
         operator.keep_lane(0.5, (0.0, 0.3))
         operator.wait(5.0)

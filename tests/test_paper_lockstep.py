@@ -8,11 +8,11 @@ import pytest
 
 from telex_control.follow_trajectory.analysis import Figures
 from telex_experiments.paper.experiments.lockstep import Led, bars, follow, hogs
-from telex_experiments.paper.experiments.trajectory import LARGEST, RMS, Way
+from telex_experiments.paper.experiments.trajectory import LARGEST, RMS, ToolPath
 
 pytestmark = pytest.mark.slow
 
-PIECE = Way("circle", "A piece", ("--circle", "--here", "--radius", "0.05", "--turns", "0.2"))
+PIECE = ToolPath("circle", "A piece", ("--circle", "--here", "--radius", "0.05", "--turns", "0.2"))
 NONE = (0.0, 0.0, 0.0)
 GOOD = Led(Figures(5e-4, 2e-3, NONE, NONE, 0.0, 1.0, 20.0), "a")
 

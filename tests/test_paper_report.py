@@ -20,19 +20,26 @@ from waiting import wait_until
 
 from telex_experiments.paper import __main__ as program
 from telex_experiments.paper import registry, schedule
-from telex_experiments.paper.experiment import Experiment, Figure, Picture, Result, Table, missing
+from telex_experiments.paper.experiment import (
+    Experiment,
+    Figure,
+    ReportPicture,
+    ReportTable,
+    Result,
+    missing,
+)
 from telex_experiments.paper.one import carry_out
-from telex_experiments.paper.page import Run, number, page
+from telex_experiments.paper.page import ReportRun, number, page
 from telex_experiments.paper.recorder import Throttle, rates
 from telex_experiments.paper.schedule import ExperimentOutcome, Schedule, planned
-from telex_experiments.paper.session import Session
+from telex_experiments.paper.session import PaperSession
 from telex_experiments.rigs.private_master import PrivateMaster, end_tree
 
 pytestmark = [pytest.mark.waiting, pytest.mark.slow]
 
 ROOT = Path(__file__).resolve().parents[1]
 
-RUN = Run("2026-01-01 12:00", "a processor", "commit abc", False, 1, 90.0)
+RUN = ReportRun("2026-01-01 12:00", "a processor", "commit abc", False, 1, 90.0)
 VOID = {"meta", "link", "img", "br"}
 PIXEL = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAQAAAC1HAwCAAAAC0lEQVR42mNkYAAAAAYAAjCB0C8AAAAASUVORK5CYII="
@@ -118,11 +125,13 @@ def full(tmp_path):
     result = Result(
         figures=[Figure("error", 0.5, "mm", at_most=1.0), Figure("runs", 9, "", at_least=9)],
         pictures=[
-            Picture("Photo.", "photo.jpg", "of it"),
-            Picture("Pixel.", "pixel.png"),
-            Picture("Plot.", "plot.svg"),
+            ReportPicture("Photo.", "photo.jpg", "of it"),
+            ReportPicture("Pixel.", "pixel.png"),
+            ReportPicture("Plot.", "plot.svg"),
         ],
-        tables=[Table("Runs", "runs.csv", ("run", "error mm"), [[1, 0.25], [2, None]], "All.")],
+        tables=[
+            ReportTable("Runs", "runs.csv", ("run", "error mm"), [[1, 0.25], [2, None]], "All.")
+        ],
         bags=["run 1.bag"],
         notes=["A note."],
     )
@@ -184,8 +193,8 @@ def test_text_cannot_break_the_page(tmp_path):
     given = experiment(title=evil, claim=evil, method=evil, bar=evil, paper=evil)
     result = Result(
         figures=[Figure(evil, 2.0, evil, at_most=1.0)],
-        pictures=[Picture(evil, "x.svg", evil)],
-        tables=[Table(evil, "a'b.csv", (evil,), [[evil]], evil)],
+        pictures=[ReportPicture(evil, "x.svg", evil)],
+        tables=[ReportTable(evil, "a'b.csv", (evil,), [[evil]], evil)],
         notes=[evil],
         error=evil,
     )
@@ -200,7 +209,7 @@ def test_text_cannot_break_the_page(tmp_path):
 
 def test_a_picture_that_is_missing_is_said(tmp_path):
     result = good()
-    result.pictures.append(Picture("Gone.", "gone.png"))
+    result.pictures.append(ReportPicture("Gone.", "gone.png"))
     assert (
         "gone.png is missing"
         in Page(report(tmp_path, ExperimentOutcome(experiment(), result, 1.0))).text
@@ -208,7 +217,7 @@ def test_a_picture_that_is_missing_is_said(tmp_path):
 
 
 def test_a_long_table_is_folded_and_a_missed_figure_is_not(tmp_path):
-    long = Table("Long", "long.csv", ("n",), [[n] for n in range(100)])
+    long = ReportTable("Long", "long.csv", ("n",), [[n] for n in range(100)])
     result = Result(figures=[Figure(f"f{n}", 2.0, "", at_most=1.0) for n in range(40)])
     result.tables.append(long)
     text = report(tmp_path, ExperimentOutcome(experiment(), result, 1.0))
@@ -217,7 +226,7 @@ def test_a_long_table_is_folded_and_a_missed_figure_is_not(tmp_path):
 
 
 def test_numbers_stand_below_their_heads_and_words_do_not(tmp_path):
-    table = Table("T", "t.csv", ("mass kg", "fits"), [[1.5, True], [None, False]])
+    table = ReportTable("T", "t.csv", ("mass kg", "fits"), [[1.5, True], [None, False]])
     result = Result(tables=[table])
     text = report(tmp_path, ExperimentOutcome(experiment(), result, 1.0))
     assert "<th class=number>mass kg</th>" in text
@@ -227,7 +236,7 @@ def test_numbers_stand_below_their_heads_and_words_do_not(tmp_path):
 
 def test_a_wide_picture_has_the_width_of_the_page(tmp_path):
     outcome = full(tmp_path)
-    outcome.result.pictures.append(Picture("Wide.", "pixel.png", wide=True))
+    outcome.result.pictures.append(ReportPicture("Wide.", "pixel.png", wide=True))
     text = report(tmp_path, outcome)
     assert text.count("<figure class=wide>") == 1
     assert text.count("<figure>") == 3
@@ -269,8 +278,8 @@ def test_no_number_meets_no_bar():
 def test_a_result_survives_its_way_between_processes():
     result = Result(
         figures=[Figure("error", math.inf, "mm", at_most=1.0), Figure("n", 3, "")],
-        pictures=[Picture("P.", "p.svg", "c")],
-        tables=[Table("T", "t.csv", ("a", "b"), [[1.5, None], ["x", True]])],
+        pictures=[ReportPicture("P.", "p.svg", "c")],
+        tables=[ReportTable("T", "t.csv", ("a", "b"), [[1.5, None], ["x", True]])],
         bags=["b.bag"],
         notes=["n"],
         error="e",
@@ -283,16 +292,16 @@ def test_a_result_survives_its_way_between_processes():
 
 
 def test_a_table_keeps_all_digits_in_its_csv():
-    table = Table("T", "t.csv", ("a, b", "c"), [[0.1234567890123, 'say "x"'], [None, 2]])
+    table = ReportTable("T", "t.csv", ("a, b", "c"), [[0.1234567890123, 'say "x"'], [None, 2]])
     rows = list(csv.reader(io.StringIO(table.as_csv())))
     assert rows == [["a, b", "c"], ["0.1234567890123", 'say "x"'], ["", "2"]]
 
 
 def test_what_does_not_fit_is_refused():
     with pytest.raises(ValueError, match="does not fit its head"):
-        Table("T", "t.csv", ("a", "b"), [[1]])
+        ReportTable("T", "t.csv", ("a", "b"), [[1]])
     with pytest.raises(ValueError, match="none of"):
-        Picture("P.", "film.gif")
+        ReportPicture("P.", "film.gif")
     with pytest.raises(ValueError, match="lower case"):
         experiment("Fig 9")
     with pytest.raises(ValueError, match="seconds"):
@@ -333,7 +342,7 @@ def test_the_whole_run_fits_its_time():
 FAKE = """
 import os, subprocess, sys, time
 from telex_experiments.paper import registry
-from telex_experiments.paper.experiment import Experiment, Figure, Result, Table
+from telex_experiments.paper.experiment import Experiment, Figure, Result, ReportTable
 
 def experiment(name, run, **more):
     words = dict.fromkeys(("paper", "title", "claim", "method", "bar"), name)
@@ -342,7 +351,7 @@ def experiment(name, run, **more):
 def well(session):
     print("a library speaks")
     session.say(f"seed {session.seed}, quick {session.quick}")
-    table = Table("T", "t.csv", ("a",), [[1]])
+    table = ReportTable("T", "t.csv", ("a",), [[1]])
     return Result(figures=[Figure("x", 1.0, "", at_most=2.0)], tables=[table])
 
 def computing(session):
@@ -389,8 +398,8 @@ EXPERIMENTS = (
 NO_ROS = """
 import contextlib
 from telex_experiments.paper import session
-session.Session.__enter__ = lambda self: self
-session.Session.__exit__ = lambda self, *exception: None
+session.PaperSession.__enter__ = lambda self: self
+session.PaperSession.__exit__ = lambda self, *exception: None
 """
 
 
@@ -557,7 +566,7 @@ def test_a_recording_holds_commands_states_frames_and_the_asked_cameras():
 
 
 def test_cameras_are_drawn_as_often_as_they_are_recorded(tmp_path, monkeypatch):
-    session = Session("one", tmp_path, False, 1, print)
+    session = PaperSession("one", tmp_path, False, 1, print)
     drawn = {}
     monkeypatch.setattr(
         session, "configure_camera", lambda name, **settings: drawn.update({name: settings})

@@ -14,7 +14,7 @@ from telex_training.exercises.exercise_file import load_exercise
 from telex_training.ros.library import Library
 from telex_training.ros.pages.brief_pages import OpenTrial
 from telex_training.ros.pages.class_pages import ClassPages
-from telex_training.ros.pages.training_pages import Pages
+from telex_training.ros.pages.training_pages import TrainingPages
 
 
 def sheet(operator, setting, *times):
@@ -43,7 +43,7 @@ def station(tmp_path, monkeypatch):
     )
     state = {"phase": "running", "operator": "ann", "help": 2.5, "questions": ["secret"]}
     asked = []
-    pages = Pages(
+    pages = TrainingPages(
         library,
         tmp_path,
         0,

@@ -15,7 +15,7 @@ from telex_control.hardware.joint_limits import JointLimits
 from telex_control.urdf.joints import joints, parse_urdf
 from telex_sim.engine.simulator_config import TrackConfig
 from telex_sim.engine.world import GRAVITY, World
-from telex_sim.robot.drives import Drive
+from telex_sim.robot.drives import JointDrive
 from telex_sim.scene.model import Floor
 from telex_sim.scene.objects.bodies import SceneBodies
 from telex_sim.stability.footholds import FootholdFinder
@@ -73,7 +73,7 @@ class Sledge:
         self.body = world.load_robot(urdf, str, (0.0, 0.0, height), yaw, {})
         description = joints(parse_urdf(URDF))["belt"]
         limits = JointLimits(max_velocity=100.0, max_effort=1e3)
-        self.drive = Drive(description, VelocityJointInterface, limits, None, 1.0)
+        self.drive = JointDrive(description, VelocityJointInterface, limits, None, 1.0)
         self.drive.index = self.body.joints["belt"]
         self.drive.braked = False
         config = {"friction": MU, "lateral_friction": LATERAL, "drive": FIRM, **RIGID, **config}

@@ -10,7 +10,7 @@ import yaml
 from telex_control.common.params import ConfigError
 from telex_teleop.actions.grammar import Command, Drive, Jog, Lamps, Preset, ToPose
 from telex_teleop.joy.maps import ButtonBinding, JoyMap, StickBinding
-from telex_teleop.joy.pads import BUTTONS, STICKS, InvalidJoy, Pads, Source
+from telex_teleop.joy.pads import BUTTONS, STICKS, ControlSource, InvalidJoy, Pads
 
 PACKAGE = Path(__file__).parents[2]
 JOY = PACKAGE / "config" / "joy"
@@ -67,8 +67,8 @@ class TestShippedPads:
 
     def test_standard_is_the_order_of_the_specification(self, pads):
         controls = pads.pads["standard"].controls
-        assert [controls[name] for name in STICKS] == [Source(axis=i) for i in range(4)]
-        assert [controls[name] for name in BUTTONS] == [Source(button=i) for i in range(17)]
+        assert [controls[name] for name in STICKS] == [ControlSource(axis=i) for i in range(4)]
+        assert [controls[name] for name in BUTTONS] == [ControlSource(button=i) for i in range(17)]
 
     def test_xbox_at_rest_and_in_use(self, pads):
         pad = pads.pads["xbox"]

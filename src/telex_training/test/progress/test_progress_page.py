@@ -10,7 +10,7 @@ from recorded_trials import record
 
 from telex_training.ros.library import Library
 from telex_training.ros.pages.class_pages import ClassPages
-from telex_training.ros.pages.training_pages import Pages
+from telex_training.ros.pages.training_pages import TrainingPages
 
 pytestmark = pytest.mark.waiting
 
@@ -21,7 +21,7 @@ def ask(tmp_path_factory):
     record(folder, "ann", exercise="slalom", setting="cones_3", times=[(30.0, True)] * 7)
     record(folder, "Bäb, the 2nd")
     (folder / "bad.mcap").write_text("nonsense")
-    pages = Pages(Library(folder), folder, 0, print, ClassPages(dict, str, print))
+    pages = TrainingPages(Library(folder), folder, 0, print, ClassPages(dict, str, print))
     pages.start()
 
     def ask(query="", name="", role="operator"):

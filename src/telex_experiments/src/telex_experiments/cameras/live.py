@@ -116,7 +116,7 @@ class Watched(NamedTuple):
         return Figure(text, value, "times", at_least=least, goal=GOAL * before)
 
 
-class Viewer:
+class StreamViewer:
     """Subscribes to a camera's JPEG pictures, e.g. of "front/preview", and counts them."""
 
     def __init__(self, topic: str, poses_read: Dict[int, float]) -> None:
@@ -219,8 +219,8 @@ class Live:
         print(f"  mean grey level {dark:.0f}, with headlights {viewer.brightness:.0f}", flush=True)
         viewer.close()
 
-    def _viewer(self, name: str, preview: bool = False) -> Viewer:
-        return Viewer(f"{name}/{'preview' if preview else 'image_raw'}", self._poses_read)
+    def _viewer(self, name: str, preview: bool = False) -> StreamViewer:
+        return StreamViewer(f"{name}/{'preview' if preview else 'image_raw'}", self._poses_read)
 
     def _wait(self, what: str, condition: Callable[[], object]) -> None:
         self._simulator.wait_for(what, condition, PATIENCE)

@@ -118,7 +118,7 @@ class Cost(NamedTuple):
     encoding: float
 
 
-class Views:
+class RobotViews:
     """Some cameras of the recorded robot, which moves between rounds.
 
     Parameters
@@ -185,7 +185,7 @@ def told(figures: List[Figure]) -> List[Figure]:
 
 def renderer_figures(rounds: int) -> List[Figure]:
     """Cost of a picture, beside that of a bare getCameraImage between the rounds."""
-    views = Views(NAMES, LARGE)
+    views = RobotViews(NAMES, LARGE)
     context = create_context()
     quality = choose_quality("auto", context.info["GL_RENDERER"])
     renderer = Renderer(context, quality, Lighting(), package_path)
@@ -205,7 +205,7 @@ def renderer_figures(rounds: int) -> List[Figure]:
     figures += giving_way(renderer, rounds)
     views.load(renderer)
     figures += timed("six 640x480", views, renderer, context, rounds)
-    main = Views(NAMES[:1], MAIN)
+    main = RobotViews(NAMES[:1], MAIN)
     main.load(renderer)
     figures += timed("1280x720", main, renderer, context, rounds)
     renderer.release()
@@ -215,7 +215,7 @@ def renderer_figures(rounds: int) -> List[Figure]:
 
 def giving_way(renderer: Renderer, rounds: int) -> List[Figure]:
     """Cost of previews as they are set, and of those that give way to load, in turn."""
-    plain, coarse = (Views(NAMES[1:], SMALL, step) for step in STEPS[:2])
+    plain, coarse = (RobotViews(NAMES[1:], SMALL, step) for step in STEPS[:2])
     for views in (plain, coarse):
         views.load(renderer)
         views.round(renderer, 1)
@@ -260,7 +260,9 @@ class OnCard:
         return picture
 
 
-def timed(name: str, views: Views, renderer: Renderer, context: Any, rounds: int) -> List[Figure]:
+def timed(
+    name: str, views: RobotViews, renderer: Renderer, context: Any, rounds: int
+) -> List[Figure]:
     """Time each picture on the graphics card, in all, and its encoding."""
     views.round(renderer, 0)
     card, costs, on_card = OnCard(renderer, context), [], []

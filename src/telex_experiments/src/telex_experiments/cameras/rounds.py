@@ -14,7 +14,7 @@ def main() -> None:
     os.environ.setdefault("LP_NUM_THREADS", "0")
     import cv2
 
-    from telex_experiments.cameras.renderer import LARGE, NAMES, Views, package_path
+    from telex_experiments.cameras.renderer import LARGE, NAMES, RobotViews, package_path
     from telex_sim.cameras.drawing.gl_context import create_context
     from telex_sim.cameras.drawing.light.daylight import Lighting
     from telex_sim.cameras.drawing.quality import TIERS
@@ -22,7 +22,7 @@ def main() -> None:
 
     cv2.setNumThreads(1)
     renderer = Renderer(create_context(), TIERS["software"], Lighting(), package_path)
-    views = Views(NAMES, LARGE)
+    views = RobotViews(NAMES, LARGE)
     views.load(renderer)
     # Programs that a scene may need later are compiled between the first pictures.
     for number in range(1, 6):

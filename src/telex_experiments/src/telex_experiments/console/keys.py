@@ -33,18 +33,18 @@ WITHIN = 0.4
 """Longest time (s) after a press at which something can still be its effect."""
 
 
-class Way(NamedTuple):
+class EffectPath(NamedTuple):
     """Which topics a key's effect passes: to the teleoperation node, and to the controller."""
 
     teleop: str
     controller: str
 
 
-WAYS: Dict[str, Way] = {
-    "KeyW": Way(DRIVE, TRACKS),
-    "KeyS": Way(DRIVE, TRACKS),
-    "KeyJ": Way(JOG, TURRET),
-    "KeyL": Way(JOG, TURRET),
+EFFECT_PATHS: Dict[str, EffectPath] = {
+    "KeyW": EffectPath(DRIVE, TRACKS),
+    "KeyS": EffectPath(DRIVE, TRACKS),
+    "KeyJ": EffectPath(JOG, TURRET),
+    "KeyL": EffectPath(JOG, TURRET),
 }
 
 
@@ -99,8 +99,8 @@ class Presses:
         callbacks, commands = [], []
         for code, stamp in zip(codes, stamps):
             pressed = stamp / 1e3 + offset
-            callback = self._first_motion(WAYS[code].teleop, pressed)
-            command = self._first_change(WAYS[code].controller, pressed)
+            callback = self._first_motion(EFFECT_PATHS[code].teleop, pressed)
+            command = self._first_change(EFFECT_PATHS[code].controller, pressed)
             if callback is None or command is None:
                 self.missed += 1
                 continue

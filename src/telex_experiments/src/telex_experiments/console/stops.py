@@ -47,7 +47,7 @@ WATCHED = 1.5
 """Sim time (s) in which the robot has to come to rest, and to stay there."""
 
 
-class Way(NamedTuple):
+class StopDrill(NamedTuple):
     """What happens in a drill.
 
     Attributes
@@ -75,20 +75,20 @@ class Way(NamedTuple):
         return TRACKS if self.broken == "track_teleop" else DRIVE
 
 
-WAYS: Dict[str, Way] = {
-    "client killed": Way("client", signal.SIGKILL),
-    "client stopped": Way("client", signal.SIGSTOP),
-    "bridge killed": Way("rosbridge", signal.SIGKILL),
-    "bridge stopped": Way("rosbridge", signal.SIGSTOP),
-    "track node killed": Way("track_teleop", signal.SIGKILL),
-    "track node stopped": Way("track_teleop", signal.SIGSTOP),
-    "rostopic killed": Way("rostopic", signal.SIGKILL),
-    "rostopic stopped": Way("rostopic", signal.SIGSTOP),
-    "simulator stopped and woken": Way("simulator", signal.SIGSTOP),
+STOP_DRILLS: Dict[str, StopDrill] = {
+    "client killed": StopDrill("client", signal.SIGKILL),
+    "client stopped": StopDrill("client", signal.SIGSTOP),
+    "bridge killed": StopDrill("rosbridge", signal.SIGKILL),
+    "bridge stopped": StopDrill("rosbridge", signal.SIGSTOP),
+    "track node killed": StopDrill("track_teleop", signal.SIGKILL),
+    "track node stopped": StopDrill("track_teleop", signal.SIGSTOP),
+    "rostopic killed": StopDrill("rostopic", signal.SIGKILL),
+    "rostopic stopped": StopDrill("rostopic", signal.SIGSTOP),
+    "simulator stopped and woken": StopDrill("simulator", signal.SIGSTOP),
 }
 
 
-class Stop(NamedTuple):
+class StopOutcome(NamedTuple):
     """How a stop went.
 
     Attributes
@@ -212,7 +212,7 @@ class Stops:
         end = self._log.now() + 12.0
         _wait("the pose", lambda: self._log.now() > end)
 
-    def drill(self, way: Way, backwards: bool) -> Stop:
+    def drill(self, way: StopDrill, backwards: bool) -> StopOutcome:
         """Drive at full speed, break something, see, and mend it."""
         log = self._log
         _wait("the robot to stand", lambda: log.speeds()[-1:] and log.speeds()[-1][1] < STANDS)
@@ -272,7 +272,7 @@ class Stops:
 
         _wait("the robot to drive at full speed", at_speed)
 
-    def _break(self, way: Way, pid: int) -> float:
+    def _break(self, way: StopDrill, pid: int) -> float:
         """Break something, and return the sim time (s) from which the stop counts."""
         log = self._log
         broken = log.now()
@@ -287,7 +287,7 @@ class Stops:
             return broken
         return [at for at, speed in log.told(way.heard_on) if speed != 0.0][-1]
 
-    def _judge(self, way: Way, begin: float) -> Stop:
+    def _judge(self, way: StopDrill, begin: float) -> StopOutcome:
         log = self._log
         zero: Optional[float] = None
         if way.broken != "track_teleop":
@@ -299,13 +299,13 @@ class Stops:
             raise MeasurementError("the robot did not drive")
         last = moving[-1]
         if last + 1 == len(speeds):
-            return Stop(zero, float("inf"), float("inf"))
+            return StopOutcome(zero, float("inf"), float("inf"))
         (before, fast), (after, slow) = speeds[last : last + 2]
         stood = before + (after - before) * (fast - STANDS) / (fast - slow)
         places = log.places()
-        return Stop(zero, stood - begin, math.dist(_at(places, begin), places[-1][1]))
+        return StopOutcome(zero, stood - begin, math.dist(_at(places, begin), places[-1][1]))
 
-    def _is_whole(self, way: Way) -> bool:
+    def _is_whole(self, way: StopDrill) -> bool:
         if way.broken in ("client", "rostopic"):
             return True
         log = self._log
@@ -343,14 +343,14 @@ def _wait(what: str, condition: Callable[[], object]) -> None:
     wait_until(what, condition, PATIENCE)
 
 
-def in_time(way: Way, stop: Stop) -> bool:
+def in_time(way: StopDrill, stop: StopOutcome) -> bool:
     """Whether a stop was as it has to be."""
     seconds, metres = CLOSED if way.closes else SILENCE
     zero = stop.zero is None or stop.zero <= ZERO_WITHIN
     return zero and stop.stood <= seconds and stop.way <= metres
 
 
-def told(stop: Stop) -> str:
+def told(stop: StopOutcome) -> str:
     """A stop in words."""
     zero = "" if stop.zero is None else f"zero after {stop.zero:.3f} s, "
     return f"{zero}stands after {stop.stood:.3f} s and {stop.way:.3f} m"
@@ -358,19 +358,19 @@ def told(stop: Stop) -> str:
 
 def stop_figures(stops: Stops, times: int, names: Optional[List[str]] = None) -> List[Figure]:
     """Do all drills, each some times: half in each pose, forwards and backwards in turn."""
-    found: Dict[str, List[Stop]] = {name: [] for name in (names or WAYS)}
+    found: Dict[str, List[StopOutcome]] = {name: [] for name in (names or STOP_DRILLS)}
     for number, pose in enumerate(POSES):
         stops.take_pose(pose)
         for name, done in found.items():
             for turn in range((times + 1 - number) // 2):
-                stop = stops.drill(WAYS[name], backwards=turn % 2 == 1)
+                stop = stops.drill(STOP_DRILLS[name], backwards=turn % 2 == 1)
                 done.append(stop)
                 print(f"  {name}, {pose}, {turn + 1}: {told(stop)}", flush=True)
     return [figure for name, done in found.items() for figure in _figures(name, done)]
 
 
-def _figures(name: str, stops: List[Stop]) -> List[Figure]:
-    count, way = len(stops), WAYS[name]
+def _figures(name: str, stops: List[StopOutcome]) -> List[Figure]:
+    count, way = len(stops), STOP_DRILLS[name]
     seconds, metres = CLOSED if way.closes else SILENCE
     what = f"{name}: at rest within {seconds:g} s and {metres:g} m"
     good = sum(in_time(way, stop) for stop in stops)

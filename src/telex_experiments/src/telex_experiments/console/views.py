@@ -97,7 +97,7 @@ PHASES = (
 )
 
 
-class Pages(NamedTuple):
+class OpenPages(NamedTuple):
     """Who looks, and how many pictures a second each view gets at least."""
 
     name: str
@@ -106,14 +106,14 @@ class Pages(NamedTuple):
     overview: float
 
 
-ALONE, BOTH = Pages("alone", 20.0, 8.0, 0.0), Pages("with instructor", 15.0, 6.0, 8.0)
+ALONE, BOTH = OpenPages("alone", 20.0, 8.0, 0.0), OpenPages("with instructor", 15.0, 6.0, 8.0)
 
 
 def views(
     rig: ConsoleRig,
     seconds: float,
     phases: Sequence[Phase] = PHASES,
-    everybody: Sequence[Pages] = (ALONE, BOTH),
+    everybody: Sequence[OpenPages] = (ALONE, BOTH),
 ) -> List[Figure]:
     """Measure phases for some time (s) each, for one page and for two."""
     figures: List[Figure] = []
@@ -135,7 +135,11 @@ def views(
 
 
 def _measure(
-    rig: ConsoleRig, browsers: Mapping[str, Chromium], pages: Pages, phase: Phase, seconds: float
+    rig: ConsoleRig,
+    browsers: Mapping[str, Chromium],
+    pages: OpenPages,
+    phase: Phase,
+    seconds: float,
 ) -> List[Figure]:
     operator = browsers["operator"]
     rig.ask("/telex/sim/load_scene", world=phase.world)
@@ -217,7 +221,9 @@ def slowest(tally: Mapping[str, Any], cameras: Iterable[str]) -> float:
     return least
 
 
-def _figures(pages: Pages, phase: Phase, tallies: Mapping[str, Any], factor: float) -> List[Figure]:
+def _figures(
+    pages: OpenPages, phase: Phase, tallies: Mapping[str, Any], factor: float
+) -> List[Figure]:
     title = f"{pages.name}, {phase.name}"
     operator = tallies["operator"]
     # A camera that has never come counts as well.

@@ -6,7 +6,7 @@ import contextlib
 import math
 from typing import Any, Callable, Iterator, List, NamedTuple
 
-from .rig import FRONT, Change, GraspRig, Pose
+from .rig import FRONT, GraspRig, GripChange, Pose
 from .things import GRAVITY, PAD_FRICTION, Thing
 
 LET_GO = 0.5
@@ -22,7 +22,7 @@ class Hold(NamedTuple):
 
     Attributes
     ----------
-    slip : Change
+    slip : GripChange
         From begin to end.
     jitter : float
         Rms speed of the object's centre of mass (m/s).
@@ -30,7 +30,7 @@ class Hold(NamedTuple):
         Whether it left the hand.
     """
 
-    slip: Change
+    slip: GripChange
     jitter: float
     lost: bool
 

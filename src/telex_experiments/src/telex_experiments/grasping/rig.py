@@ -50,7 +50,7 @@ class NotGrippedError(Exception):
     """The pads do not come to rest on what they are to grip."""
 
 
-class Change(NamedTuple):
+class GripChange(NamedTuple):
     """How far what is held has moved in the hand, at the place where it is held (m, rad)."""
 
     distance: float
@@ -328,11 +328,11 @@ class GraspRig(OfflineRig):
             *pybullet.invertTransform(*self.pose(name)), *self.tool()
         )
 
-    def slip(self, name: str, before: Pose) -> Change:
+    def slip(self, name: str, before: Pose) -> GripChange:
         """How far an object has moved in the hand since it was `held_at` a pose."""
         after = self.held_at(name)
         turn = abs(float(np.dot(before[1], after[1])))
-        return Change(math.dist(before[0], after[0]), 2.0 * math.acos(min(1.0, turn)))
+        return GripChange(math.dist(before[0], after[0]), 2.0 * math.acos(min(1.0, turn)))
 
     def present(self, entry: Dict[str, Any], force: float) -> str:
         """Hold an object between the pads as a helping hand does, grip it, and let go of it.

@@ -21,7 +21,7 @@ _ON_STAIRS = (0.62, 0.0, 0.62)
 """Where a load is held on stairs, in base_link (m)."""
 
 
-class Carried(NamedTuple):
+class CarriedLoad(NamedTuple):
     """How something was carried.
 
     Attributes
@@ -37,7 +37,7 @@ class Carried(NamedTuple):
     held: bool
 
 
-def briefcase() -> Carried:
+def briefcase() -> CarriedLoad:
     """Take a briefcase from the floor by its handle, lift it, and carry it 3 m."""
     case = THINGS["briefcase"]
     handle = case.grip
@@ -57,15 +57,15 @@ def briefcase() -> Carried:
 
         found = sway(rig, name, carry, rest=1.0)
         end = rig.pose(name)[0]
-        return Carried(math.dist(start[:2], end[:2]), found.most, rig.contact().object == name)
+        return CarriedLoad(math.dist(start[:2], end[:2]), found.most, rig.contact().object == name)
 
 
-def pallet() -> Tuple[Carried, float]:
+def pallet() -> Tuple[CarriedLoad, float]:
     """Take a pallet at a side, drag it back, and lift that side.
 
     Returns
     -------
-    Carried
+    CarriedLoad
     float
         By how much the side came up (m).
     """
@@ -91,7 +91,7 @@ def pallet() -> Tuple[Carried, float]:
         rig.wait(1.0)
         _, orientation = rig.pose(name)
         axis = pybullet.getMatrixFromQuaternion(orientation)[6]
-        carried = Carried(
+        carried = CarriedLoad(
             math.dist(start[:2], dragged[:2]),
             rig.slip(name, held).distance,
             rig.contact().object == name,

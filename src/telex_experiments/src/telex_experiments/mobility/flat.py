@@ -10,7 +10,7 @@ import numpy as np
 
 from telex_training.operators.scripted_operator import TICK
 
-from .offline import Trial
+from .offline import OfflineTrial
 
 FLAT = (0.01, 0.01)
 """As the preset: the tips 4 mm off the floor."""
@@ -40,7 +40,7 @@ class Straight:
 
 
 @dataclass(frozen=True)
-class Turn:
+class SpotTurn:
     """What was measured in a turn in place.
 
     Attributes
@@ -56,7 +56,7 @@ class Turn:
 
 
 def straight(
-    trial: Trial, speed: float, seconds: float = 3.0, flippers: Tuple[float, float] = UP
+    trial: OfflineTrial, speed: float, seconds: float = 3.0, flippers: Tuple[float, float] = UP
 ) -> Straight:
     """Drive straight on, and measure once the speed is reached.
 
@@ -87,12 +87,12 @@ def straight(
 
 
 def turn(
-    trial: Trial,
+    trial: OfflineTrial,
     rate: float,
     seconds: float = 4.0,
     ramp: float = 0.6,
     flippers: Tuple[float, float] = UPRIGHT,
-) -> Turn:
+) -> SpotTurn:
     """Turn in place with the flippers up.
 
     The robot turns about a point before or behind base_link, about twice as far from it as the
@@ -122,4 +122,4 @@ def turn(
         turned += math.remainder(operator.pose.yaw - last, 2.0 * math.pi)
         last = operator.pose.yaw
         drift = max(drift, float(np.linalg.norm(trial.position() - begin)))
-    return Turn(turned / (round(seconds / TICK) * TICK), drift)
+    return SpotTurn(turned / (round(seconds / TICK) * TICK), drift)

@@ -10,7 +10,7 @@ from telex_training.operators.port import NotManagedError
 from telex_training.operators.terrain.slope import Slope
 from telex_training.operators.terrain.stairs import Stairs, start_climb
 
-from .offline import Trial
+from .offline import OfflineTrial
 
 _PLACE = 3.0
 """Where on the slope (m)."""
@@ -22,7 +22,7 @@ _PROOF = 2.0
 _FINEST = math.radians(0.25)
 
 
-def drift(trial: Trial, seconds: float, settle: float = 2.0) -> float:
+def drift(trial: OfflineTrial, seconds: float, settle: float = 2.0) -> float:
     """How far a robot moves that is told to stand still (m)."""
     operator = trial.operator
     operator.stop()
@@ -35,7 +35,7 @@ def drift(trial: Trial, seconds: float, settle: float = 2.0) -> float:
 def on_slope(angle: float, heading: float, friction: float, seconds: float) -> float:
     """Drift (m) of a robot with its flippers flat, placed on a slope; see `Slope.pose`."""
     slope = Slope(angle, friction=friction)
-    with Trial(slope.objects(), friction=friction, pose="look_front") as trial:
+    with OfflineTrial(slope.objects(), friction=friction, pose="look_front") as trial:
         trial.place(*slope.pose(_PLACE, heading))
         trial.operator.flippers(0.0, 0.0)
         return drift(trial, seconds)
@@ -43,7 +43,7 @@ def on_slope(angle: float, heading: float, friction: float, seconds: float) -> f
 
 def on_stairs(stairs: Stairs, seconds: float) -> float:
     """Drift (m) of a robot that has stopped half-way up the stairs."""
-    with Trial(stairs.objects(), {"x": stairs.foot - 1.2}, stairs.friction) as trial:
+    with OfflineTrial(stairs.objects(), {"x": stairs.foot - 1.2}, stairs.friction) as trial:
         operator = trial.operator
         start_climb(operator)
         operator.flippers(0.02, -0.03)

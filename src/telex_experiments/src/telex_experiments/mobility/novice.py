@@ -19,7 +19,7 @@ from telex_teleop.joints.joint_settings import limits_of_present
 from telex_training.operators.by_presets import PresetKeys
 from telex_training.operators.port import NotManagedError
 
-from .offline import Trial
+from .offline import OfflineTrial
 
 
 class Novice(PresetKeys):
@@ -27,11 +27,11 @@ class Novice(PresetKeys):
 
     Parameters
     ----------
-    trial : Trial
+    trial : OfflineTrial
         Its operator drives; the key is held at each of its looks.
     """
 
-    def __init__(self, trial: Trial) -> None:
+    def __init__(self, trial: OfflineTrial) -> None:
         super().__init__(trial.operator)
         settings = _settings()
         self._core = flipper_core(settings, limits_of_present(settings, trial.urdf)[0])

@@ -14,7 +14,7 @@ from telex_training.operators.scripted_operator import TICK
 _LOAD_EDGE = 0.2  # m, of a load in the gripper
 
 
-class Trial(OfflineRig):
+class OfflineTrial(OfflineRig):
     """A robot on a course, and an operator for it; close it when done.
 
     Parameters

@@ -12,7 +12,7 @@ from telex_training.operators.port import NotManagedError
 from telex_training.operators.scripted_operator import FRONT_FLIPPERS, REAR_FLIPPERS, TICK
 
 from .balance.falls import Fall, FallWatch
-from .offline import Trial
+from .offline import OfflineTrial
 from .watch import RunWatch
 
 _COMMAND = 1.0
@@ -89,7 +89,7 @@ def run(seed: int, seconds: float, step_size: float = 0.002) -> Behaviour:
         Of sim time.
     """
     numbers = random.Random(seed)
-    with Trial(
+    with OfflineTrial(
         rough_ground(), {"x": 0.0, "y": 0.0, "yaw": 6.28 * numbers.random()}, step_size=step_size
     ) as trial:
         watch, fall_watch = RunWatch(trial), FallWatch(trial)
@@ -134,7 +134,7 @@ def run(seed: int, seconds: float, step_size: float = 0.002) -> Behaviour:
         )
 
 
-def rated_power(trial: Trial) -> float:
+def rated_power(trial: OfflineTrial) -> float:
     """Of all drives together (W)."""
     simulation = trial.simulation
     tracks = simulation.config.tracks

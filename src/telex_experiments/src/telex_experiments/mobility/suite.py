@@ -11,7 +11,7 @@ from telex_training.operators.scripted_operator import Operator
 from telex_training.operators.terrain import gap, hurdle, rough, slope, stairs, step
 
 from .balance import load
-from .offline import Trial
+from .offline import OfflineTrial
 
 
 @dataclass(frozen=True)
@@ -48,9 +48,9 @@ class Obstacle:
     load: float = 0.0
     within: Optional[float] = None
 
-    def trial(self, **changes: Any) -> Trial:
+    def trial(self, **changes: Any) -> OfflineTrial:
         """Put the robot before it."""
-        return Trial(
+        return OfflineTrial(
             self.objects, self.start, self.friction, pose=self.pose, load=self.load, **changes
         )
 

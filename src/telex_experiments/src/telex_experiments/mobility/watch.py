@@ -11,7 +11,7 @@ import pybullet
 
 from telex_sim.engine.world import GRAVITY
 
-from .offline import Trial
+from .offline import OfflineTrial
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class RunWatch:
         CPU time that the looking itself took (s).
     """
 
-    def __init__(self, trial: Trial) -> None:
+    def __init__(self, trial: OfflineTrial) -> None:
         self._trial = trial
         self._bodies = _Bodies(trial)
         self.finite = True
@@ -93,7 +93,7 @@ class RunWatch:
 class _Bodies:
     """All that moves in a trial: the robot's links, then the links of what is loose."""
 
-    def __init__(self, trial: Trial) -> None:
+    def __init__(self, trial: OfflineTrial) -> None:
         body = trial.simulation.body
         self._client = body.client
         self._robot = body.uid

@@ -20,7 +20,7 @@ from telex_experiments.rigs.report import machine
 
 from ..workspace import ROOT
 from .experiment import Experiment
-from .page import Run, page
+from .page import ReportRun, page
 from .registry import UnknownExperimentError, experiments, select
 from .schedule import ExperimentOutcome, Schedule, planned
 
@@ -111,7 +111,7 @@ def reproduce(options: argparse.Namespace) -> int:
     when = time.strftime("%Y-%m-%d %H:%M")
     schedule = Schedule(folder, options.quick, options.seed, clock.say, options.repeat)
     outcomes = schedule.run(chosen)
-    run = Run(when, machine(), version(), options.quick, options.seed, clock.elapsed())
+    run = ReportRun(when, machine(), version(), options.quick, options.seed, clock.elapsed())
     target = folder / "report.html"
     target.write_text(page(run, outcomes, folder), encoding="utf-8")
     return conclude(outcomes, target, clock)

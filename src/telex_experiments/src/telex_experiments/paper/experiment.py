@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence,
 from telex_experiments.rigs.report import Figure
 
 if TYPE_CHECKING:
-    from .session import Session
+    from .session import PaperSession
 
-__all__ = ["Cell", "Experiment", "Figure", "Picture", "Result", "Table"]
+__all__ = ["Cell", "Experiment", "Figure", "ReportPicture", "ReportTable", "Result"]
 
 Cell = Union[str, int, float, bool, None]
 """Of a table; None where there is nothing to say."""
@@ -26,7 +26,7 @@ _NAME = re.compile(r"[a-z][a-z0-9_]*")
 
 
 @dataclass(frozen=True)
-class Picture:
+class ReportPicture:
     """A picture in the report.
 
     Attributes
@@ -51,7 +51,7 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Table:
+class ReportTable:
     """A table in the report, which is written as CSV as well.
 
     Attributes
@@ -103,8 +103,8 @@ class Result:
     """
 
     figures: List[Figure] = field(default_factory=list)
-    pictures: List[Picture] = field(default_factory=list)
-    tables: List[Table] = field(default_factory=list)
+    pictures: List[ReportPicture] = field(default_factory=list)
+    tables: List[ReportTable] = field(default_factory=list)
     bags: List[str] = field(default_factory=list)
     notes: List[str] = field(default_factory=list)
     error: str = ""
@@ -133,8 +133,8 @@ class Result:
                 Figure(**{**figure, "value": float(figure["value"])})
                 for figure in content["figures"]
             ],
-            [Picture(**picture) for picture in content["pictures"]],
-            [Table(**table) for table in content["tables"]],
+            [ReportPicture(**picture) for picture in content["pictures"]],
+            [ReportTable(**table) for table in content["tables"]],
             content["bags"],
             content["notes"],
             content["error"],
@@ -192,7 +192,7 @@ class Experiment:
     claim: str
     method: str
     bar: str
-    run: Callable[[Session], Result]
+    run: Callable[[PaperSession], Result]
     seconds: float
     quick_seconds: float
     in_wall_time: bool = True

@@ -18,14 +18,14 @@ from telex_control.common.scheduling import add_niceness
 
 from .experiment import Experiment, Result, missing
 from .registry import by_name
-from .session import Session
+from .session import PaperSession
 
 RESULT = "result.json"
 NICENESS = 15
 """Of experiments that compute only: what drives a simulator comes first."""
 
 
-def carry_out(experiment: Experiment, session: Session) -> Result:
+def carry_out(experiment: Experiment, session: PaperSession) -> Result:
     """Run an experiment; what it raises becomes its error."""
     try:
         if not experiment.in_wall_time:
@@ -62,7 +62,7 @@ def main() -> None:
 def _work(options: argparse.Namespace, progress: TextIO) -> int:
     """Carry out what the command line says; returns the exit status."""
     experiment = by_name(options.name)
-    session = Session(
+    session = PaperSession(
         experiment.name,
         options.folder,
         options.quick,

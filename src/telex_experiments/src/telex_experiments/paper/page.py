@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import List, Sequence
 from urllib.parse import quote
 
-from .experiment import Cell, Figure, Picture, Result, Table
+from .experiment import Cell, Figure, ReportPicture, ReportTable, Result
 from .schedule import ExperimentOutcome
 
 STYLE = Path(__file__).with_name("page.css")
@@ -22,7 +22,7 @@ _TYPES = {".jpg": "image/jpeg", ".png": "image/png", ".svg": "image/svg+xml"}
 
 
 @dataclass(frozen=True)
-class Run:
+class ReportRun:
     """What the report says of the whole run.
 
     Attributes
@@ -43,7 +43,7 @@ class Run:
     seconds: float
 
 
-def page(run: Run, outcomes: Sequence[ExperimentOutcome], folder: Path) -> str:
+def page(run: ReportRun, outcomes: Sequence[ExperimentOutcome], folder: Path) -> str:
     """Return the report as HTML.
 
     Parameters
@@ -79,7 +79,7 @@ def number(value: Cell) -> str:
     return str(value)
 
 
-def _head(run: Run, outcomes: Sequence[ExperimentOutcome]) -> str:
+def _head(run: ReportRun, outcomes: Sequence[ExperimentOutcome]) -> str:
     met = sum(outcome.result.ok for outcome in outcomes)
     good = met == len(outcomes)
     verdict = f"{met} of {len(outcomes)} results reproduced"
@@ -171,7 +171,7 @@ def _experiment(outcome: ExperimentOutcome, folder: Path) -> str:
     return "\n".join(part for part in parts if part)
 
 
-def _picture(picture: Picture, folder: Path) -> str:
+def _picture(picture: ReportPicture, folder: Path) -> str:
     file = folder / picture.file
     if not file.exists():
         return f"<figure><p class='error'>{escape(picture.file)} is missing</p></figure>"
@@ -203,7 +203,7 @@ def _figures(figures: Sequence[Figure]) -> str:
     return _folded("Measured figures", _rows(head, rows), len(rows), any(not f.ok for f in figures))
 
 
-def _table(table: Table, name: str) -> str:
+def _table(table: ReportTable, name: str) -> str:
     numeric = [
         bool(table.rows) and all(_is_number(row[i]) for row in table.rows)
         for i in range(len(table.head))

@@ -24,7 +24,7 @@ from .simulator import Argument, Simulator
 _LOOK_TIMEOUT = 120.0  # s of wall time, for a machine that has other things to do
 
 
-class Session:
+class PaperSession:
     """One experiment's workplace; use it as a context manager.
 
     rospy can be initialised once in a process only: there is one session in each.
@@ -72,7 +72,7 @@ class Session:
         self.log = folder / "log.txt"
         self._master = PrivateMaster()
 
-    def __enter__(self) -> Session:
+    def __enter__(self) -> PaperSession:
         self._master.__enter__()
         # rosrun, roslaunch and whatever else is started from here is to meet this master only.
         os.environ.update(self._master.environment())

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from genpy import Time
 
-from telex_experiments.mobility.offline import Trial
+from telex_experiments.mobility.offline import OfflineTrial
 from telex_experiments.mobility.suite import Obstacle, attempt
 from telex_experiments.rigs.contact_sheet import captioned, sheet
 from telex_sim.cameras.optics.pinhole import PinholeCamera
@@ -25,7 +25,7 @@ _NEAR, _FAR, _FOV = 0.05, 100.0, 0.62
 class _Film:
     """Keeps where everything was, at equal intervals of sim time."""
 
-    def __init__(self, trial: Trial, interval: float) -> None:
+    def __init__(self, trial: OfflineTrial, interval: float) -> None:
         self._trial = trial
         simulation = trial.simulation
         self._messages = SceneMessages(

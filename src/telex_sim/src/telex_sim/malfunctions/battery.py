@@ -9,7 +9,7 @@ from typing import Iterable, NamedTuple, Sequence, Tuple
 from telex_control.common.params import Declared, number
 from telex_control.common.stateful import Stateful
 
-from ..robot.drives import Drive
+from ..robot.drives import JointDrive
 
 _HOUR = 3600.0
 _SLOWEST, _FASTEST = 0.02, 5.0
@@ -63,7 +63,7 @@ class BatteryConfig(Declared):
         20.0, "Over which the consumption is averaged that the range is told by (m).", 0.1, 1.0e4
     )
 
-    def drive_power(self, drives: Iterable[Drive]) -> float:
+    def drive_power(self, drives: Iterable[JointDrive]) -> float:
         """Power that drives take now (W); what turns them back gives none."""
         total = 0.0
         for drive in drives:

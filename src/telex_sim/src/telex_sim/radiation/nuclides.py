@@ -45,7 +45,7 @@ class Nuclide(NamedTuple):
     energy: float
 
 
-class Material(NamedTuple):
+class ShieldMaterial(NamedTuple):
     """What attenuates photons.
 
     Attributes
@@ -70,21 +70,25 @@ NUCLIDES: Dict[str, Nuclide] = {
 ENERGIES = (0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.25, 1.5)
 """Of the materials' coefficients (MeV)."""
 
-MATERIALS: Dict[str, Material] = {
-    "aluminium": Material(
+MATERIALS: Dict[str, ShieldMaterial] = {
+    "aluminium": ShieldMaterial(
         2.699, (0.1042, 0.09276, 0.08445, 0.07802, 0.06841, 0.06146, 0.05496, 0.05006)
     ),
-    "concrete": Material(
+    "concrete": ShieldMaterial(
         2.3, (0.1097, 0.09783, 0.08915, 0.08236, 0.07227, 0.06495, 0.05807, 0.05288)
     ),
-    "lead": Material(11.35, (0.4031, 0.2323, 0.1614, 0.1248, 0.08870, 0.07102, 0.05876, 0.05222)),
-    "steel": Material(
+    "lead": ShieldMaterial(
+        11.35, (0.4031, 0.2323, 0.1614, 0.1248, 0.08870, 0.07102, 0.05876, 0.05222)
+    ),
+    "steel": ShieldMaterial(
         7.874, (0.1099, 0.09400, 0.08414, 0.07704, 0.06699, 0.05995, 0.05350, 0.04883)
     ),
-    "tungsten": Material(
+    "tungsten": ShieldMaterial(
         19.3, (0.3238, 0.1925, 0.1378, 0.1093, 0.08066, 0.06618, 0.05577, 0.05000)
     ),
-    "water": Material(1.0, (0.1186, 0.1061, 0.09687, 0.08956, 0.07865, 0.07072, 0.06323, 0.05754)),
+    "water": ShieldMaterial(
+        1.0, (0.1186, 0.1061, 0.09687, 0.08956, 0.07865, 0.07072, 0.06323, 0.05754)
+    ),
 }
 """By their names in scene files. Concrete is ordinary concrete, steel is counted as pure iron."""
 

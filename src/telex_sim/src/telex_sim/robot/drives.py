@@ -68,7 +68,7 @@ class Impairment:
 WHOLE = Impairment()
 
 
-class Drive(Stateful):
+class JointDrive(Stateful):
     """A driven joint: its description, its handles and its place in PyBullet.
 
     Parameters

@@ -36,7 +36,7 @@ from telex_control.urdf.transmission_parser import SIMULATED, DrivenJoint, drive
 
 from ..engine.simulator_config import HardwareConfig, JointHardware
 from ..engine.world import Body
-from .drives import WHOLE, Drive, DriveMode, Impairment
+from .drives import WHOLE, DriveMode, Impairment, JointDrive
 from .imu import Imu
 from .link_surfaces import LinkSurfaces
 from .urdf.masses import massless_joints
@@ -75,10 +75,10 @@ class RobotHWSim(RobotHW, Stateful):
         self._config = config
         self._belts = frozenset(belts)
         self._robot = robot
-        self._joints: Dict[str, Drive] = {}
-        self._all: List[Drive] = []
+        self._joints: Dict[str, JointDrive] = {}
+        self._all: List[JointDrive] = []
         # Without the belts: what PyBullet's motors move.
-        self._moved: List[Drive] = []
+        self._moved: List[JointDrive] = []
         # Movable joints that nothing drives; they have friction.
         self._passive: List[UrdfJoint] = []
         # Of those, the ones whose states are told: they follow others, or a transmission asks it.
@@ -146,7 +146,7 @@ class RobotHWSim(RobotHW, Stateful):
         described: Dict[str, UrdfJoint],
         params: Mapping[str, Any],
         root: NodeHandle,
-    ) -> Drive:
+    ) -> JointDrive:
         interface = SIMULATED[driven.hardware_interface]
         if driven.joint not in described:
             raise UrdfError(
@@ -158,7 +158,7 @@ class RobotHWSim(RobotHW, Stateful):
             pid = None if interface is EffortJointInterface else self._pid(joint.name, root)
             tolerance = self._config.velocity_tolerance
             overtravel = self._hardware(joint.name).overtravel
-            return Drive(joint, interface, limits, soft, tolerance, pid, overtravel)
+            return JointDrive(joint, interface, limits, soft, tolerance, pid, overtravel)
         except JointLimitsError as error:
             raise UrdfError(str(error)) from error
 
@@ -268,7 +268,7 @@ class RobotHWSim(RobotHW, Stateful):
         """Whether the emergency stop holds all joints."""
         return self._e_stop
 
-    def drive(self, name: str) -> Drive:
+    def drive(self, name: str) -> JointDrive:
         """Drive of a joint.
 
         Raises
@@ -278,7 +278,7 @@ class RobotHWSim(RobotHW, Stateful):
         """
         return self._joints[name]
 
-    def drives(self) -> List[Drive]:
+    def drives(self) -> List[JointDrive]:
         """All drives."""
         return self._all
 
@@ -341,7 +341,7 @@ class RobotHWSim(RobotHW, Stateful):
             drive.reset()
         self._set_brakes()
 
-    def _add_armature(self, drive: Drive) -> None:
+    def _add_armature(self, drive: JointDrive) -> None:
         """Add the drive's inertia to its link.
 
         Isotropic, because PyBullet drops an inertia that no mass distribution can have; the small
@@ -360,7 +360,7 @@ class RobotHWSim(RobotHW, Stateful):
             physicsClientId=client,
         )
 
-    def _place_stops(self, drive: Drive) -> None:
+    def _place_stops(self, drive: JointDrive) -> None:
         """Let the joint move as far beyond the URDF's limits as its end stops lie."""
         description = drive.description
         overtravel = self._hardware(description.name).overtravel
@@ -592,7 +592,7 @@ class RobotHWSim(RobotHW, Stateful):
         self._standstill = [0.0] * len(self._by_effort)
         self._velocity_forces = [drive.motor_force for drive in self._by_velocity]
 
-    def _is_belt(self, drive: Drive) -> bool:
+    def _is_belt(self, drive: JointDrive) -> bool:
         return drive.description.name in self._belts
 
     @property
@@ -637,7 +637,7 @@ class RobotHWSim(RobotHW, Stateful):
             drive.held = drive.state.position
         self._hold(standing)
 
-    def _brake_unclaimed(self) -> List[Drive]:
+    def _brake_unclaimed(self) -> List[JointDrive]:
         """Set and release brakes; returns the drives whose brakes that has changed."""
         claimed: Set[str] = set().union(*self._claims.values())
         changed = []
@@ -651,7 +651,7 @@ class RobotHWSim(RobotHW, Stateful):
             drive.braked = braked
         return changed
 
-    def _hold(self, held: List[Drive]) -> None:
+    def _hold(self, held: List[JointDrive]) -> None:
         slipping = [drive for drive in held if math.isfinite(drive.impairment.slip)]
         held = [drive for drive in held if drive not in slipping]
         if held:

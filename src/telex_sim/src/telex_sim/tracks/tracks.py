@@ -9,7 +9,7 @@ import pybullet
 from telex_control.common.stateful import Stateful
 
 from ..engine.world import Body, Vector
-from ..robot.drives import Drive
+from ..robot.drives import JointDrive
 from .belt_drive import BeltDrive
 from .belt_faults import ROLLING, BeltFault, make_drive
 from .law import Patch, TractionLaw, belt_directions, edge_share
@@ -74,7 +74,7 @@ class _Track(Stateful):
     )
     SAVED = ("load", "pulled")
 
-    def __init__(self, link: int, joint: Drive, radius: float) -> None:
+    def __init__(self, link: int, joint: JointDrive, radius: float) -> None:
         self.link = link
         self.drive = joint
         self.handle = joint.handle
@@ -178,7 +178,7 @@ class Tracks(Stateful):
 
     Parameters
     ----------
-    drives : mapping of str to Drive
+    drives : mapping of str to JointDrive
         The driven joint of each belt.
     step_size : float
         Time between calls of `step` (s).
@@ -192,7 +192,7 @@ class Tracks(Stateful):
         self,
         body: Body,
         config: TrackConfig,
-        drives: Mapping[str, Drive],
+        drives: Mapping[str, JointDrive],
         step_size: float,
         material_of: Optional[Callable[[int, int], str]] = None,
     ) -> None:

@@ -48,7 +48,7 @@ class InvalidJoy(ValueError):  # noqa: N818  it names a message, as InvalidComma
 
 
 @dataclass(frozen=True)
-class Source(Declared):
+class ControlSource(Declared):
     """Where a control is in the message."""
 
     axis: Optional[int] = number(
@@ -95,7 +95,7 @@ class Pad:
     """
 
     description: str
-    controls: Dict[str, Source] = field(default_factory=dict)
+    controls: Dict[str, ControlSource] = field(default_factory=dict)
     match: str = ""
 
     def __post_init__(self) -> None:

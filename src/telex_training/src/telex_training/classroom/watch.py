@@ -24,7 +24,7 @@ CONNECTING, HERE, GONE = "connecting", "here", "gone"
 
 
 @dataclass(frozen=True)
-class Picture:
+class StationPicture:
     """A station's last picture.
 
     Attributes
@@ -53,7 +53,7 @@ class StationWatch:
         self.station = station
         self.phase = CONNECTING
         self.state: Optional[StationState] = None
-        self.picture: Optional[Picture] = None
+        self.picture: Optional[StationPicture] = None
         self.order: Optional[Dict[str, Any]] = None
         self._since = self._heard = now
         self._failures = 0
@@ -97,7 +97,7 @@ class StationWatch:
     def pictured(self, now: float, kind: str, data: bytes) -> None:
         """Take a picture."""
         number = 1 if self.picture is None else self.picture.number + 1
-        self.picture, self._pictured = Picture(number, kind, data), now
+        self.picture, self._pictured = StationPicture(number, kind, data), now
 
     def shown(self, now: float) -> Dict[str, Any]:
         """What the page is told; nothing of the token. Times are so many seconds ago."""

@@ -36,11 +36,11 @@ from .model import (
     Penalty,
     PutBack,
     Question,
+    RadiatingObject,
     Radiation,
     Repetitions,
     SceneSource,
     Seeds,
-    Source,
     Step,
     Survey,
     Vary,
@@ -493,7 +493,7 @@ def _radiation(content: Mapping[str, Any]) -> Radiation:
         require(key == "dose", f"limits/{key} is unknown; known is dose")
         limits = read_value(Dict[str, float], given, "limits/dose")
     return Radiation(
-        structs_of(content, "sources", Source),
+        structs_of(content, "sources", RadiatingObject),
         limits,
         read_value(Dict[str, float], struct_of(content, "history"), "history"),
     )

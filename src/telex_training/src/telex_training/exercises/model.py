@@ -415,7 +415,7 @@ class SceneSource:
 
 
 @dataclass(frozen=True)
-class Source:
+class RadiatingObject:
     """An object of the scene that is made to radiate; `activity` in Bq."""
 
     object: str
@@ -438,7 +438,7 @@ class Radiation:
         Dose received before, by component (Gy).
     """
 
-    sources: Tuple[Source, ...] = ()
+    sources: Tuple[RadiatingObject, ...] = ()
     limits: Dict[str, float] = field(default_factory=dict)
     history: Dict[str, float] = field(default_factory=dict)
 

@@ -36,7 +36,7 @@ from .entries import (
     odometry_of,
     text_field,
 )
-from .malfunctions import Turn
+from .malfunctions import EpisodeEvent
 from .moments import INPUT as MOMENT
 from .records.aids import LASER, LASER_LINK
 from .records.handling import goal_zones
@@ -138,8 +138,8 @@ class Judge:
             TELEMETRY: self._take_telemetry,
             **({LASER: self._take_lasers} if f'"{LASER_LINK}"' in urdf else {}),
             INPUTS: self._take_input,
-            MALFUNCTIONS: lambda entry: self._say_turns(self._record.malfunctions.hear(entry)),
-            E_STOP: lambda entry: self._say_turns(self._record.malfunctions.e_stop(entry)),
+            MALFUNCTIONS: lambda entry: self._say_events(self._record.malfunctions.hear(entry)),
+            E_STOP: lambda entry: self._say_events(self._record.malfunctions.e_stop(entry)),
             **dict.fromkeys(COMMANDS, self._take_command),
             **dict.fromkeys(STATUSES, self._take_teleop_status),
         }
@@ -234,7 +234,7 @@ class Judge:
             return
         self._nameless = None
         self._world.take(sample)
-        self._say_turns(self._record.malfunctions.sample(sample.time))
+        self._say_events(self._record.malfunctions.sample(sample.time))
         # Time in which the apparatus is put back does not count.
         counts = self._record.phase in (WAITING, RUNNING) and self._last is not None
         span = max(0.0, sample.time - (self._last or 0.0)) if counts else 0.0
@@ -310,12 +310,12 @@ class Judge:
         elif channel == LINK:
             self._hear_line(other.link, entry, {"robot": other.name})
         elif channel == MALFUNCTIONS:
-            self._say_turns(other.malfunctions.hear(entry), other.name)
+            self._say_events(other.malfunctions.hear(entry), other.name)
         elif channel == E_STOP:
-            self._say_turns(other.malfunctions.e_stop(entry), other.name)
+            self._say_events(other.malfunctions.e_stop(entry), other.name)
         else:
             if channel in COMMANDS:
-                self._say_turns(other.malfunctions.command(entry), other.name)
+                self._say_events(other.malfunctions.command(entry), other.name)
             for event in other.hear(entry):
                 if event != "command":
                     self._say(event, other.name)
@@ -331,7 +331,7 @@ class Judge:
             if self._record.phase not in (IDLE, READY):
                 self._invalidate(f"{other.name}: {reason}")
         passed = other.take(sample)
-        self._say_turns(other.malfunctions.sample(sample.time), other.name)
+        self._say_events(other.malfunctions.sample(sample.time), other.name)
         if (
             passed is not None
             and self._record.phase == RUNNING
@@ -400,7 +400,7 @@ class Judge:
     # What the operator does
 
     def _take_command(self, entry: Entry) -> None:
-        self._say_turns(self._record.malfunctions.command(entry))
+        self._say_events(self._record.malfunctions.command(entry))
         event = self._record.activity.command(entry)
         if (
             event
@@ -422,9 +422,9 @@ class Judge:
     def _take_lasers(self, entry: Entry) -> None:
         self._record.activity.aids.switch_lasers(decode(entry, "std_msgs/Float64").data)
 
-    def _say_turns(self, turns: List[Turn], robot: str = "") -> None:
+    def _say_events(self, events: List[EpisodeEvent], robot: str = "") -> None:
         of = {"robot": robot} if robot else {}
-        for event, episode, detail in turns:
+        for event, episode, detail in events:
             self._say(event, episode.name, {**detail, **of}, secret=not episode.announced)
 
     def take_due(self) -> List[Failure]:

@@ -77,7 +77,7 @@ class FailureEpisode:
         }
 
 
-class Turn(NamedTuple):
+class EpisodeEvent(NamedTuple):
     """What happened to an episode: its event, and details."""
 
     event: str
@@ -94,7 +94,7 @@ class MalfunctionRecord:
         self._commands: Dict[Axis, Tuple[float, float]] = {}
         self._stopped = False
 
-    def hear(self, entry: Entry) -> List[Turn]:
+    def hear(self, entry: Entry) -> List[EpisodeEvent]:
         """Hear a telex_msgs/Malfunctions.
 
         Raises
@@ -102,7 +102,7 @@ class MalfunctionRecord:
         BadEntryError
         """
         message, time = decode(entry, "telex_msgs/Malfunctions"), entry.time
-        turns = []
+        events = []
         active = {(str(each.what), str(each.kind), each.since): each for each in message.active}
         known = {(each.what, each.kind): each for each in self._open}
         for (what, kind, since), each in active.items():
@@ -112,21 +112,21 @@ class MalfunctionRecord:
             if before is not None and before.stamp == since:
                 continue
             if before is not None:
-                turns.append(self._end(before, time))
+                events.append(self._end(before, time))
             if len(self.episodes) < _MOST:
                 made = FailureEpisode(each, time, self._held(time))
                 self.episodes.append(made)
                 self._open.append(made)
                 detail = {"value": made.value, "announced": made.announced}
-                turns.append(Turn("malfunction", made, detail))
+                events.append(EpisodeEvent("malfunction", made, detail))
         there = {(what, kind) for what, kind, _ in active}
         gone = [each for each in self._open if (each.what, each.kind) not in there]
-        return [*(self._end(each, time) for each in gone), *turns]
+        return [*(self._end(each, time) for each in gone), *events]
 
-    def _end(self, episode: FailureEpisode, time: float) -> Turn:
+    def _end(self, episode: FailureEpisode, time: float) -> EpisodeEvent:
         episode.ended = time
         self._open.remove(episode)
-        return Turn("mended", episode, {})
+        return EpisodeEvent("mended", episode, {})
 
     def _held(self, time: float) -> Dict[Axis, float]:
         return {
@@ -135,7 +135,7 @@ class MalfunctionRecord:
             if value and time - given <= _HOLDS
         }
 
-    def command(self, entry: Entry) -> List[Turn]:
+    def command(self, entry: Entry) -> List[EpisodeEvent]:
         """Hear a command; returns the episodes to which it is the first reaction.
 
         Raises
@@ -145,29 +145,29 @@ class MalfunctionRecord:
         given = {(entry.channel, name): value for name, value in _axes(entry).items()}
         for axis, value in given.items():
             self._commands[axis] = (value, entry.time)
-        turns = []
+        events = []
         for each in self._open:
             other = any(each.differs(axis, value) for axis, value in given.items())
             if other and each.commanded is None:
-                turns.append(self._commanded(each, entry.time))
-        return turns
+                events.append(self._commanded(each, entry.time))
+        return events
 
-    def sample(self, time: float) -> List[Turn]:
+    def sample(self, time: float) -> List[EpisodeEvent]:
         """Let time pass (s): a stream that has fallen silent is a key that was released."""
-        turns = []
+        events = []
         for each in self._open:
             if each.commanded is not None:
                 continue
             ends = [self._commands[axis][1] for axis in each.held]
             if ends and time - min(ends) > _HOLDS:
-                turns.append(self._commanded(each, max(min(ends), each.since)))
-        return turns
+                events.append(self._commanded(each, max(min(ends), each.since)))
+        return events
 
-    def _commanded(self, episode: FailureEpisode, time: float) -> Turn:
+    def _commanded(self, episode: FailureEpisode, time: float) -> EpisodeEvent:
         episode.commanded = time
-        return Turn("reaction", episode, {"by": "command", "seconds": time - episode.since})
+        return EpisodeEvent("reaction", episode, {"by": "command", "seconds": time - episode.since})
 
-    def e_stop(self, entry: Entry) -> List[Turn]:
+    def e_stop(self, entry: Entry) -> List[EpisodeEvent]:
         """Hear an emergency stop, set or released.
 
         Raises
@@ -175,13 +175,13 @@ class MalfunctionRecord:
         BadEntryError
         """
         was, self._stopped = self._stopped, bool(decode(entry, "std_msgs/Bool").data)
-        turns = []
+        events = []
         for each in self._open:
             if self._stopped and not was and each.stopped is None:
                 each.stopped = entry.time
                 seconds = entry.time - each.since
-                turns.append(Turn("reaction", each, {"by": "e_stop", "seconds": seconds}))
-        return turns
+                events.append(EpisodeEvent("reaction", each, {"by": "e_stop", "seconds": seconds}))
+        return events
 
     def announced(self) -> List[str]:
         """Say in words what fails now and was announced."""

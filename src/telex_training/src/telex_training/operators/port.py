@@ -90,7 +90,7 @@ class Observation:
 
 
 @dataclass(frozen=True, eq=False)
-class Picture:
+class CameraPicture:
     """A camera's picture.
 
     Attributes
@@ -245,7 +245,7 @@ class CameraView(abc.ABC):
     """Pictures of one camera; close it when done, for they are drawn only while it is open."""
 
     @abc.abstractmethod
-    def picture(self) -> Optional[Picture]:
+    def picture(self) -> Optional[CameraPicture]:
         """Return the newest picture, None before the first."""
 
     @abc.abstractmethod

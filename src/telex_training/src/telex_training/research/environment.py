@@ -28,7 +28,7 @@ from ..rehearsal.line_port import line_setting
 from ..rehearsal.trial import RehearsedTrial, single
 from .command_vector import USUAL, CommandVector, checked, pose_names, state_names
 from .reward import Reward, require_terms
-from .views import Views
+from .views import EpisodeViews
 
 Observed = Union[np.ndarray, Dict[str, np.ndarray]]
 
@@ -130,7 +130,7 @@ class ExerciseEnv(gymnasium.Env):
         self.observation_space = self._space(sized(self._config, self._drawn, width))
         self._folder: Optional[tempfile.TemporaryDirectory[str]] = None
         self._trial: Optional[RehearsedTrial] = None
-        self._views: Optional[Views] = None
+        self._views: Optional[EpisodeViews] = None
         self._pictures: Dict[str, np.ndarray] = {}
         self._moving: Tuple[str, ...] = ()
         self._over = True
@@ -183,7 +183,7 @@ class ExerciseEnv(gymnasium.Env):
         self._moving, self._over = (), False
         if self._drawn:
             if self._views is None:
-                self._views = Views(self._config, self._drawn, self._width, self._levels)
+                self._views = EpisodeViews(self._config, self._drawn, self._width, self._levels)
             problems = self._views.begin(trial)
             if problems:
                 logger.warn(f"not all of the scene is shown: {'; '.join(problems)}")

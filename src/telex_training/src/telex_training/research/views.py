@@ -21,7 +21,7 @@ from ..rehearsal.trial import RehearsedTrial
 _ROUNDING = 1e-6
 
 
-class Views:
+class EpisodeViews:
     """Draws trials, one after the other, with cameras that fail as the robot's do.
 
     Parameters

@@ -9,7 +9,7 @@ from sensor_msgs.msg import CameraInfo, CompressedImage
 
 from telex_control.ros.node_handle import NodeHandle
 
-from ..operators.port import CameraView, Picture
+from ..operators.port import CameraPicture, CameraView
 
 
 class CameraTopics(CameraView):
@@ -34,12 +34,12 @@ class CameraTopics(CameraView):
     def _on_info(self, message: Any) -> None:
         self._info = message
 
-    def picture(self) -> Optional[Picture]:
+    def picture(self) -> Optional[CameraPicture]:
         """See `CameraView.picture`."""
         picture, info = self._picture, self._info
         if picture is None or info is None:
             return None
-        return Picture(
+        return CameraPicture(
             picture.header.stamp.to_sec(),
             bytes(picture.data),
             np.array(info.K).reshape(3, 3),

@@ -55,7 +55,7 @@ from .exam.exam_list import ExamList, ExamListError
 from .library import Library
 from .pages.brief_pages import OpenTrial
 from .pages.class_pages import ClassPages
-from .pages.training_pages import Pages
+from .pages.training_pages import TrainingPages
 from .robot_files import about_robot, software_version
 from .session import Session, SessionError
 from .settings import TrainingSettings
@@ -104,7 +104,9 @@ class TrainingNode:
         self._clients = hear_decoded("bridge/clients", BridgeClients, self._on_clients)
         self._console = hear_decoded(TELEMETRY, String, self._on_telemetry)
         class_pages = ClassPages(self._tell_class, self._open_for_class, self._help)
-        self.pages = Pages(self._library, self._folder, settings.port, self._rate, class_pages)
+        self.pages = TrainingPages(
+            self._library, self._folder, settings.port, self._rate, class_pages
+        )
         self.pages.briefs.opened = self._opened
         self.pages.briefs.texts = self._own_texts
         acts: Dict[str, Tuple[Any, Act]] = {

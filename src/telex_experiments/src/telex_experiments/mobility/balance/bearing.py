@@ -18,7 +18,7 @@ from telex_training.operators.robot_size import AXLE_HEIGHT
 from telex_training.operators.scripted_operator import TICK
 from telex_training.operators.terrain.slope import Slope
 
-from ..offline import Trial
+from ..offline import OfflineTrial
 from . import quasi_static
 from .quasi_static import Turning
 
@@ -52,7 +52,7 @@ _SETTLING = 1.6
 
 
 @dataclass(frozen=True)
-class Start:
+class StartPose:
     """How a robot comes to stand where it stands.
 
     Attributes
@@ -83,11 +83,11 @@ class Start:
 
 
 STARTS = (
-    Start(),
-    Start(heading=0.5 * math.pi - 0.1, aside=0.01, drop=0.03, crates=True),
-    Start(heading=math.pi + 0.1, aside=-0.02, drop=0.03, tilt=0.03),
-    Start(heading=-0.5 * math.pi, lowered=0.25),
-    Start(heading=0.1, aside=-0.05, driven=0.1, crates=True),
+    StartPose(),
+    StartPose(heading=0.5 * math.pi - 0.1, aside=0.01, drop=0.03, crates=True),
+    StartPose(heading=math.pi + 0.1, aside=-0.02, drop=0.03, tilt=0.03),
+    StartPose(heading=-0.5 * math.pi, lowered=0.25),
+    StartPose(heading=0.1, aside=-0.05, driven=0.1, crates=True),
 )
 
 
@@ -183,12 +183,12 @@ class Standing:
         load: float,
         flippers: Sequence[float],
         ground: str = "plane",
-        start: Start = STARTS[0],
+        start: StartPose = STARTS[0],
         **options: Any,
     ) -> None:
         self._flat, self._ground = tuple(flippers) == FLAT, ground
         poses = _poses(arm, tuple(angle + start.lowered for angle in flippers))
-        self.trial = trial = Trial(
+        self.trial = trial = OfflineTrial(
             [*(_CRATES if start.crates else ()), *ground_objects(ground)],
             {"x": -3.0},
             pose=arm,
@@ -204,7 +204,7 @@ class Standing:
             trial.simulation.close()
             raise
 
-    def _come_to_rest(self, start: Start, flippers: Sequence[float]) -> None:
+    def _come_to_rest(self, start: StartPose, flippers: Sequence[float]) -> None:
         operator = self.trial.operator
         if start.lowered:
             operator.wait(0.4)
@@ -408,7 +408,7 @@ def ground_objects(ground: str) -> List[Dict[str, Any]]:
     return []
 
 
-def _pose(ground: str, start: Start) -> Tuple[Sequence[float], Sequence[float]]:
+def _pose(ground: str, start: StartPose) -> Tuple[Sequence[float], Sequence[float]]:
     """Of base_link: position (m) and quaternion (x, y, z, w)."""
     if ground == "slope":
         origin = _SLOPE.pose(4.0, start.heading)

@@ -12,7 +12,7 @@ import numpy as np
 import pybullet
 from geometry_msgs.msg import Twist
 
-from telex_experiments.mobility.offline import Trial
+from telex_experiments.mobility.offline import OfflineTrial
 
 FORWARD_GAIN, MOST_FORCE = 2000.0, 800.0
 """Of the speed (N s/m), and the force at most (N): as much as the tracks grip on the level."""
@@ -31,11 +31,11 @@ class ChassisForce:
 
     Parameters
     ----------
-    trial : Trial
+    trial : OfflineTrial
         Its tracks have no traction from now on.
     """
 
-    def __init__(self, trial: Trial) -> None:
+    def __init__(self, trial: OfflineTrial) -> None:
         self._simulation = trial.simulation
         self._body = trial.simulation.body
         self._wanted = (0.0, 0.0)

@@ -13,7 +13,7 @@ from telex_training.operators.robot_size import AXLE_HEIGHT
 from telex_training.operators.scripted_operator import TICK, Operator
 from telex_training.operators.terrain.slope import Slope
 
-from ..offline import Trial
+from ..offline import OfflineTrial
 
 LOOK = 0.05
 """Time from one look at the robot's stability to the next (s), as the simulator's node has it."""
@@ -59,7 +59,7 @@ class FallWatch:
         CPU time that the looking itself took (s).
     """
 
-    def __init__(self, trial: Trial) -> None:
+    def __init__(self, trial: OfflineTrial) -> None:
         self._trial = trial
         self._monitor = StabilityMonitor(trial.simulation.robots[0])
         self._looks: List[Tuple[float, float, bool, float]] = []
@@ -147,7 +147,7 @@ class SlowFall:
 
     def run(self, seconds: float = 25.0) -> Optional[Fall]:
         """Go on until the robot has fallen; None if it has not."""
-        with Trial(self.objects, {"x": _AWAY}, self.friction, self.pose) as trial:
+        with OfflineTrial(self.objects, {"x": _AWAY}, self.friction, self.pose) as trial:
             if self.place is not None:
                 trial.place(*self.place)
             if self.load:

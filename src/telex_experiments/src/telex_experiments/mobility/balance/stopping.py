@@ -16,7 +16,7 @@ from telex_training.operators.terrain.slope import Slope
 from telex_training.operators.terrain.stairs import Stairs, start_climb, start_descent
 
 from ..flat import FLAT
-from ..offline import Trial
+from ..offline import OfflineTrial
 from .load import POSE, hold_forward
 
 STANDS = 0.02
@@ -68,7 +68,7 @@ class Stop:
 class _Monitor(StabilityMonitor):
     """Counts a load that is fixed to the gripper, and touches nothing, as one that is gripped."""
 
-    def __init__(self, trial: Trial) -> None:
+    def __init__(self, trial: OfflineTrial) -> None:
         super().__init__(trial.simulation.robots[0])
         self._trial = trial
         self._load_moves: Optional[Tuple[float, np.ndarray]] = None
@@ -97,17 +97,17 @@ class StoppingWatch:
 
     Parameters
     ----------
-    trial : Trial
+    trial : OfflineTrial
         With the robot level, in its start pose.
     """
 
-    def __init__(self, trial: Trial) -> None:
+    def __init__(self, trial: OfflineTrial) -> None:
         self._trial = trial
         # In turn: each gives the mean since it was asked last.
         self._monitors = [_Monitor(trial) for _ in range(round(WINDOW / LOOK))]
         self._looks = 0
 
-    def stop(self, end: Callable[[Trial], None]) -> Stop:
+    def stop(self, end: Callable[[OfflineTrial], None]) -> Stop:
         """Look at a stop.
 
         Parameters
@@ -159,22 +159,22 @@ class StoppingWatch:
         return np.array([hw.drive(f"front_{side}_track_joint").handle.command for side in BELTS])
 
 
-def fall_silent(trial: Trial) -> None:
+def fall_silent(trial: OfflineTrial) -> None:
     """Send the speed a last time, and then nothing."""
     trial.operator.tick()
 
 
-def close(trial: Trial) -> None:
+def close(trial: OfflineTrial) -> None:
     """Send the stop that stands for a closed connection, once."""
     trial.operator.stop()
     trial.operator.tick()
 
 
 def on_level(
-    pose: str, speed: float, end: Callable[[Trial], None] = fall_silent, rate: float = 0.0
+    pose: str, speed: float, end: Callable[[OfflineTrial], None] = fall_silent, rate: float = 0.0
 ) -> Stop:
     """Stop on level ground from a speed (m/s), or a turn (rad/s)."""
-    with Trial(start={"x": math.copysign(2.0, -speed)}, pose=pose) as trial:
+    with OfflineTrial(start={"x": math.copysign(2.0, -speed)}, pose=pose) as trial:
         watch = StoppingWatch(trial)
         trial.operator.drive(speed, rate)
         trial.operator.wait(RUN_UP)
@@ -183,7 +183,7 @@ def on_level(
 
 def with_load(speed: float, flippers: Tuple[float, float]) -> Stop:
     """Stop on level ground, the arm stretched out with 5 kg."""
-    with Trial(start={"x": math.copysign(2.0, -speed)}, pose=POSE, load=LOAD) as trial:
+    with OfflineTrial(start={"x": math.copysign(2.0, -speed)}, pose=POSE, load=LOAD) as trial:
         watch = StoppingWatch(trial)
         hold_forward(trial.operator)
         trial.operator.flippers(*flippers)
@@ -201,7 +201,7 @@ def on_slope(
     None leaves the flippers as in `drive`.
     """
     pose, load = (POSE, LOAD) if loaded else ("drive", 0.0)
-    with Trial(SLOPE.objects(), {"x": -2.0}, pose=pose, load=load) as trial:
+    with OfflineTrial(SLOPE.objects(), {"x": -2.0}, pose=pose, load=load) as trial:
         watch = StoppingWatch(trial)
         if loaded:
             hold_forward(trial.operator)
@@ -221,7 +221,7 @@ def on_slope(
 
 def up_stairs(speed: float, stairs: Stairs) -> Stop:
     """Stop half-way on stairs, going up, or backwards down again."""
-    with Trial(stairs.objects(), {"x": stairs.foot - 1.2}, stairs.friction) as trial:
+    with OfflineTrial(stairs.objects(), {"x": stairs.foot - 1.2}, stairs.friction) as trial:
         watch, operator = StoppingWatch(trial), trial.operator
         start_climb(operator)
         operator.flippers(0.02, -0.03)
@@ -235,7 +235,7 @@ def up_stairs(speed: float, stairs: Stairs) -> Stop:
 def down_stairs(speed: float, stairs: Stairs) -> Stop:
     """Stop on stairs, going down forwards."""
     start = {"x": stairs.edge - 1.2, "ground": stairs.height}
-    with Trial(stairs.objects(), start, stairs.friction) as trial:
+    with OfflineTrial(stairs.objects(), start, stairs.friction) as trial:
         watch, operator = StoppingWatch(trial), trial.operator
         start_descent(operator, stairs)
         middle = 0.5 * (stairs.edge + stairs.end)

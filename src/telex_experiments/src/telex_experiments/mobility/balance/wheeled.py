@@ -130,7 +130,7 @@ ROBOTS = {"skid steer": SKID_STEER, "casters": CASTERS}
 
 
 @dataclass(frozen=True)
-class Turn:
+class WheeledTurn:
     """A turn in place.
 
     Attributes
@@ -240,7 +240,7 @@ class Wheeled(OfflineRig):
     def _heading(self) -> float:
         return yaw_of(self.simulation.body.base_pose()[1])
 
-    def turn(self, rate: float, seconds: float) -> Turn:
+    def turn(self, rate: float, seconds: float) -> WheeledTurn:
         """Turn in place at a rate (rad/s) that its controller is told."""
         rim = 0.5 * self._gauge * self._robot.multiplier * rate
         # Of its rim over its yaw rate: on casters, a wheel runs on a circle round base_link.
@@ -248,7 +248,7 @@ class Wheeled(OfflineRig):
         if len(self._robot.driven) == len(self._robot.wheels):
             gain = quasi_static.turning(*self._springs(), 1.0, 1.0).belts
         turned, farthest = self.drive(0.0, rate, seconds)
-        return Turn(turned, rim / gain * seconds, farthest)
+        return WheeledTurn(turned, rim / gain * seconds, farthest)
 
     def _springs(self) -> Tuple[np.ndarray, np.ndarray]:
         """Places of its contacts, in base_link (n, 3), and loads of equal springs there (N)."""

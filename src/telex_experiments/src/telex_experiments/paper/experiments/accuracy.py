@@ -16,13 +16,13 @@ from telex_control.follow_trajectory.paths import Shape
 from telex_control.follow_trajectory.reference import PlannedPath
 from telex_experiments.grasping.holding import block, hold, rig_for
 from telex_experiments.grasping.things import GRAVITY, PAD_FRICTION, THINGS, Thing
-from telex_experiments.mobility.offline import Trial
+from telex_experiments.mobility.offline import OfflineTrial
 from telex_experiments.mobility.suite import attempt, step_up
 from telex_sim.offline.arm import OfflineArm, plan_circle
 from telex_training.operators.terrain.step import Step
 
-from ..experiment import Cell, Experiment, Figure, Picture, Result, Table
-from ..session import Session
+from ..experiment import Cell, Experiment, Figure, ReportPicture, ReportTable, Result
+from ..session import PaperSession
 
 POSE = "look_front"
 PATH = Shape(radius=0.15, height=0.1, turns=0.5, centre=(0.85, 0.0, 0.5))
@@ -78,7 +78,7 @@ def points(quick: bool) -> List[Point]:
 def trajectory(point: Point, way: PlannedPath) -> Tuple[float, float, float]:
     """Follow the path; returns rms and largest error (mm), and CPU per second of sim time."""
     changes = {"solver_iterations": point.iterations}
-    with Trial(pose=POSE, step_size=point.step_size, **changes) as trial:
+    with OfflineTrial(pose=POSE, step_size=point.step_size, **changes) as trial:
         arm = OfflineArm(trial.simulation, trial.node, way.chain.joint_names)
         arm.wait(1.5)  # tracks settle, and so do integral terms
         approach(arm, way, way.start)
@@ -217,7 +217,7 @@ def draw(found: Sequence[Measured]) -> Drawing:
     return drawing
 
 
-def run(session: Session) -> Result:
+def run(session: PaperSession) -> Result:
     """Try the settings."""
     way = plan_circle(PATH, POSE, SPEED, ACCELERATION)
     tried = cases()[-2:] if session.quick else cases()
@@ -264,7 +264,7 @@ def run(session: Session) -> Result:
             Figure("shipped: time up the 50 cm step", chosen.climb, "s", at_most=20.0),
         ],
         pictures=[
-            Picture(
+            ReportPicture(
                 "Accuracy against performance.",
                 "accuracy.svg",
                 "Labels: step size, solver iterations. Round: step sizes; square: iterations.",
@@ -272,7 +272,7 @@ def run(session: Session) -> Result:
             )
         ],
         tables=[
-            Table(
+            ReportTable(
                 "Settings",
                 "accuracy.csv",
                 (

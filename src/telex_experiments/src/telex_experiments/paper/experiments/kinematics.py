@@ -28,9 +28,9 @@ from telex_control.urdf.joints import parse_urdf
 from ...rigs.chromium import BrowserError, Chromium
 from ...workspace import ROOT
 from ..driving import Jogger
-from ..experiment import Experiment, Figure, Picture, Result, Table
+from ..experiment import Experiment, Figure, ReportPicture, ReportTable, Result
 from ..recorder import FEW_PICTURES
-from ..session import Session
+from ..session import PaperSession
 
 BASE, TOOL = "base_link", "tool_link"
 EXACT, SINGLE = 1e-9, 1e-6
@@ -50,7 +50,7 @@ def farthest(poses: np.ndarray, others: np.ndarray) -> Apart:
     return float(places.max()), float(angles.max())
 
 
-def by_service(session: Session, chain: Chain, positions: np.ndarray) -> np.ndarray:
+def by_service(session: PaperSession, chain: Chain, positions: np.ndarray) -> np.ndarray:
     """Poses of the tool by KDL, as the running ``arm_teleop/compute_fk`` answers."""
     service = rospy.ServiceProxy(
         f"{session.namespace}/arm_teleop/compute_fk", ComputeFK, persistent=True
@@ -134,7 +134,7 @@ class _Watch:
 
 
 def while_moving(
-    session: Session, chain: Chain, parameters: DHChain
+    session: PaperSession, chain: Chain, parameters: DHChain
 ) -> Tuple[Tuple[Apart, int], Tuple[Apart, int]]:
     """Move the arm; compare the DH product of the joint states with /tf and with the physics.
 
@@ -193,7 +193,7 @@ def _agreement(name: str, apart: Apart, bar: float) -> List[Figure]:
     ]
 
 
-def run(session: Session) -> Result:
+def run(session: PaperSession) -> Result:
     """Draw the arm, list its parameters, compare the accounts of where its tool is."""
     count = 200 if session.quick else 1000
     with session.simulator(console=False, pose="ready"):
@@ -250,13 +250,13 @@ def run(session: Session) -> Result:
             Figure("moments compared with the physics", instants, ""),
         ],
         pictures=[
-            Picture(
+            ReportPicture(
                 "The arm's joints, frames and Denavit-Hartenberg parameters.",
                 drawing.name,
                 "As the paper's figure 3; all joints stand at 0.",
             )
         ],
-        tables=[Table("Denavit-Hartenberg parameters (modified)", "dh.csv", head, rows)],
+        tables=[ReportTable("Denavit-Hartenberg parameters (modified)", "dh.csv", head, rows)],
         notes=notes,
     )
 

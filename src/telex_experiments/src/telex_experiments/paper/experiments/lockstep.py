@@ -21,9 +21,9 @@ from telex_control.kinematics import Chain
 from telex_sim.offline.arm import OfflineArm
 from telex_sim.offline.simulation import OfflineSimulation, robot_description
 
-from ..experiment import Cell, Experiment, Figure, Result, Table
-from ..session import Session
-from .trajectory import AXES, LARGEST, POSE, QUICK, RMS, WAYS, Way, error_cells, pictures
+from ..experiment import Cell, Experiment, Figure, ReportTable, Result
+from ..session import PaperSession
+from .trajectory import AXES, LARGEST, POSE, QUICK, RMS, TOOL_PATHS, ToolPath, error_cells, pictures
 
 SETTLING = 3.0
 """Sim time (s) after the reset in which the tracks settle, and so do integral terms."""
@@ -45,7 +45,7 @@ class Led:
     digest: str
 
 
-def follow(way: Way, folder: Path) -> Led:
+def follow(way: ToolPath, folder: Path) -> Led:
     """Reset a robot, have its tool follow a path, and write the report of it into a folder.
 
     References go to the topics of the controllers, as those of any client, by the number of the
@@ -86,9 +86,9 @@ def hogs() -> Iterator[None]:
         yield
 
 
-def run(session: Session) -> Result:
+def run(session: PaperSession) -> Result:
     """Follow the paths, as often as asked for; every second time beside hogs."""
-    ways: Sequence[Way] = QUICK if session.quick else WAYS
+    ways: Sequence[ToolPath] = QUICK if session.quick else TOOL_PATHS
     rows: List[List[Cell]] = []
     found: Dict[str, List[Led]] = {way.title: [] for way in ways}
     for number in range(1, session.repeat + 1):
@@ -106,7 +106,7 @@ def run(session: Session) -> Result:
         figures=bars(found),
         pictures=pictures(ways),
         tables=[
-            Table(
+            ReportTable(
                 "Errors",
                 "errors.csv",
                 [*head, "joint states"],

@@ -16,8 +16,8 @@ from telex_control.urdf.joints import joints, parse_urdf
 from telex_control.urdf.model import Robot
 from telex_control.urdf.transmission_parser import driven_joints
 
-from ..experiment import Cell, Experiment, Figure, Result, Table
-from ..session import Session
+from ..experiment import Cell, Experiment, Figure, ReportTable, Result
+from ..session import PaperSession
 
 EXPECTED = Path(__file__).resolve().parents[1] / "model.yaml"
 GROUPS = ("arm", "flippers", "gripper", "belts", "camera_head")
@@ -108,7 +108,7 @@ def mass_rows(
     return rows, total
 
 
-def camera_rows(session: Session, expected: Dict[str, Any], check: _Check) -> List[List[Cell]]:
+def camera_rows(session: PaperSession, expected: Dict[str, Any], check: _Check) -> List[List[Cell]]:
     """Compare what the running cameras say of themselves; returns a table's rows."""
     rows: List[List[Cell]] = []
     for name, (width, height, view) in expected["cameras"].items():
@@ -143,7 +143,7 @@ def view_angle(info: CameraInfo) -> float:
     return 2.0 * math.atan(radius)
 
 
-def run(session: Session) -> Result:
+def run(session: PaperSession) -> Result:
     """Compare the running system's description, joint states and cameras with what is expected."""
     expected = yaml.safe_load(EXPECTED.read_text(encoding="utf-8"))
     check = _Check()
@@ -169,7 +169,7 @@ def run(session: Session) -> Result:
     return Result(
         figures=figures,
         tables=[
-            Table(
+            ReportTable(
                 "Joints",
                 "joints.csv",
                 (
@@ -180,13 +180,13 @@ def run(session: Session) -> Result:
                 "The arm has six revolute joints and one prismatic, the base four flippers, the "
                 "gripper six joints, as in the paper; belts and camera head are driven joints too.",
             ),
-            Table(
+            ReportTable(
                 "Masses and moments of inertia",
                 "masses.csv",
                 ("link", "mass kg", "Ixx kg m2", "Iyy kg m2", "Izz kg m2", "as expected"),
                 masses,
             ),
-            Table(
+            ReportTable(
                 "Cameras",
                 "cameras.csv",
                 ("camera", "width px", "height px", "angle of view deg", "frame", "as expected"),

@@ -11,12 +11,12 @@ from telex_experiments.grasping.things import PAD_FRICTION, THINGS, Thing
 from telex_experiments.mobility import flat
 from telex_experiments.mobility import hold as standing
 from telex_experiments.mobility.balance.chassis_force import ChassisForce
-from telex_experiments.mobility.offline import Trial
+from telex_experiments.mobility.offline import OfflineTrial
 from telex_experiments.mobility.suite import Attempted, Obstacle, all_obstacles, attempt
 from telex_training.operators.terrain import slope
 
-from ..experiment import Cell, Experiment, Figure, Result, Table
-from ..session import Session
+from ..experiment import Cell, Experiment, Figure, ReportTable, Result
+from ..session import PaperSession
 
 OBSTACLES = (
     "ramp 30 deg",
@@ -56,31 +56,31 @@ def _trial(obstacle: Obstacle, in_paper_way: bool) -> Attempted:
 
 
 def _speed_error(speed: float, in_paper_way: bool) -> float:
-    with Trial(start={"x": math.copysign(1.5, -speed)}) as trial:
+    with OfflineTrial(start={"x": math.copysign(1.5, -speed)}) as trial:
         if in_paper_way:
             ChassisForce(trial)
         return 100.0 * abs(flat.straight(trial, speed).speed / speed - 1.0)
 
 
 def _yaw_error(in_paper_way: bool) -> float:
-    with Trial() as trial:
+    with OfflineTrial() as trial:
         if in_paper_way:
             ChassisForce(trial)
         return 100.0 * abs(flat.turn(trial, TURN).rate / TURN - 1.0)
 
 
 def _slide(in_paper_way: bool) -> float:
-    """Way that the robot slides on a slope (mm)."""
+    """Distance that the robot slides on a slope (mm)."""
     if not in_paper_way:
         return 1e3 * standing.on_slope(SLOPE, 0.0, 1.0, STANDING)
     plane = slope.Slope(SLOPE)
-    with Trial(plane.objects(), pose="look_front") as trial:
+    with OfflineTrial(plane.objects(), pose="look_front") as trial:
         ChassisForce(trial)
         trial.place(*plane.pose(6.0, 0.0))
         return 1e3 * standing.drift(trial, STANDING, settle=0.0)
 
 
-def tracks(session: Session) -> Result:
+def tracks(session: PaperSession) -> Result:
     """Let the same scripts drive over the same obstacles, by tracks and in the paper's way."""
     wanted = QUICK_OBSTACLES if session.quick else OBSTACLES
     by_name = {obstacle.name: obstacle for obstacle in all_obstacles()}
@@ -108,14 +108,14 @@ def tracks(session: Session) -> Result:
     return Result(
         figures=figures,
         tables=[
-            Table(
+            ReportTable(
                 "Obstacles",
                 "obstacles.csv",
                 ("obstacle", "tracks: s", "the paper's way: s"),
                 climbed,
                 "The same script in both ways. The whole of benchmarks/mobility has 29 obstacles.",
             ),
-            Table(
+            ReportTable(
                 "Driving",
                 "driving.csv",
                 ("what", "unit", "tracks", "the paper's way"),
@@ -137,7 +137,7 @@ def _held(thing: Thing, anchored: bool) -> Hold:
         return hold(rig, name, STILL)
 
 
-def grasping(session: Session) -> Result:
+def grasping(session: PaperSession) -> Result:
     """Pick things up, and hold them still, with and without anchored friction."""
     names = QUICK_THINGS if session.quick else tuple(THINGS)
     picked: List[List[Cell]] = []
@@ -176,7 +176,7 @@ def grasping(session: Session) -> Result:
             Figure(f"largest slip in {STILL:g} s, held still", most_slip, "mm", at_most=SLIP),
         ],
         tables=[
-            Table(
+            ReportTable(
                 "Picked and lifted",
                 "grasps.csv",
                 (
@@ -186,7 +186,7 @@ def grasping(session: Session) -> Result:
                 picked,
                 "From the front; benchmarks/grasping adds two more approaches.",
             ),
-            Table(
+            ReportTable(
                 f"Held still for {STILL:g} s at {SHARE:g} of Coulomb's limit",
                 "holding.csv",
                 (

@@ -11,9 +11,9 @@ import yaml
 from telex_control.common.file_catalog import package_file
 from telex_control.urdf.joints import short_name
 
-from ..experiment import Cell, Experiment, Figure, Picture, Result, Table
+from ..experiment import Cell, Experiment, Figure, ReportPicture, ReportTable, Result
 from ..recorder import ARM_COMMANDS, FEW_PICTURES
-from ..session import Session
+from ..session import PaperSession
 from ..tool import rosrun
 
 OVERSHOOT, SETTLING = 5.0, 1.5  # %, s
@@ -91,7 +91,7 @@ def table_row(row: Dict[str, Any]) -> List[Cell]:
     ]
 
 
-def run(session: Session) -> Result:
+def run(session: PaperSession) -> Result:
     """Step each joint of the arm on the running system, by the tool that ships with it."""
     postures = ["stretched"] if session.quick else ["folded", "stretched"]
     plan = session.folder / "plan.yaml"
@@ -110,7 +110,7 @@ def run(session: Session) -> Result:
     return Result(
         figures=figures,
         pictures=[
-            Picture(
+            ReportPicture(
                 f"Step response and effort of each joint, arm {posture}.",
                 f"arm_{posture}.svg",
                 "Dashed: the reference; blue: as the shipped controllers lead the joint; orange: "
@@ -120,7 +120,7 @@ def run(session: Session) -> Result:
             for posture in postures
         ],
         tables=[
-            Table(
+            ReportTable(
                 "Steps",
                 "step_table.csv",
                 head,

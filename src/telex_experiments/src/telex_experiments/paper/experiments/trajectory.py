@@ -13,9 +13,9 @@ from telex_msgs.msg import SimStatus
 
 from telex_control.follow_trajectory.analysis import Figures
 
-from ..experiment import Cell, Experiment, Figure, Picture, Result, Table
+from ..experiment import Cell, Experiment, Figure, ReportPicture, ReportTable, Result
 from ..recorder import ARM_COMMANDS
-from ..session import Session
+from ..session import PaperSession
 from ..tool import rosrun
 
 RMS, LARGEST = 1.0, 3.0
@@ -28,7 +28,7 @@ POSE = "look_front"
 
 
 @dataclass(frozen=True)
-class Way:
+class ToolPath:
     """A path for the tool.
 
     Attributes
@@ -44,21 +44,23 @@ class Way:
     arguments: Tuple[str, ...]
 
 
-WAYS = (
-    Way("circle", "Circle, level (2D)", ("--circle",)),
-    Way("square", "Square, upright (2D)", ("--square", "--plane", "xz", "--radius", "0.1")),
-    Way("spiral", "Spiral (3D)", ("--spiral",)),
+TOOL_PATHS = (
+    ToolPath("circle", "Circle, level (2D)", ("--circle",)),
+    ToolPath("square", "Square, upright (2D)", ("--square", "--plane", "xz", "--radius", "0.1")),
+    ToolPath("spiral", "Spiral (3D)", ("--spiral",)),
 )
 QUICK = (
-    Way("circle", "Half a circle, level (2D)", ("--circle", "--turns", "0.5")),
-    Way("spiral", "One turn of the spiral (3D)", ("--spiral", "--turns", "1", "--height", "0.1")),
+    ToolPath("circle", "Half a circle, level (2D)", ("--circle", "--turns", "0.5")),
+    ToolPath(
+        "spiral", "One turn of the spiral (3D)", ("--spiral", "--turns", "1", "--height", "0.1")
+    ),
 )
 
 
 class LateCycles:
     """Hears how many control cycles the simulator begins late; close it when done."""
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, session: PaperSession) -> None:
         self._counts: List[int] = []
         self._subscriber = rospy.Subscriber(
             f"{session.namespace}/sim/status",
@@ -81,7 +83,9 @@ class LateCycles:
         self._subscriber.unregister()
 
 
-def follow(session: Session, way: Way, late: LateCycles) -> Tuple[List[Figure], List[Cell]]:
+def follow(
+    session: PaperSession, way: ToolPath, late: LateCycles
+) -> Tuple[List[Figure], List[Cell]]:
     """Have the tool follow a path; returns the bars, and a row of the table."""
     session.say(way.title)
     late.begin()
@@ -113,15 +117,15 @@ def error_cells(figures: Figures) -> List[Cell]:
     return [1e3 * value for value in (figures.rms, figures.largest, *by_axis)]
 
 
-def pictures(ways: Sequence[Way]) -> List[Picture]:
+def pictures(ways: Sequence[ToolPath]) -> List[ReportPicture]:
     """Return the drawings that ``follow_trajectory`` makes of paths."""
     caption = "The desired path and the one followed; below, the error in x, y and z over time."
-    return [Picture(f"{way.title}.", f"{way.name}.svg", caption) for way in ways]
+    return [ReportPicture(f"{way.title}.", f"{way.name}.svg", caption) for way in ways]
 
 
-def run(session: Session) -> Result:
+def run(session: PaperSession) -> Result:
     """Follow the paths on the running system, by the tool that ships with it."""
-    ways: Sequence[Way] = QUICK if session.quick else WAYS
+    ways: Sequence[ToolPath] = QUICK if session.quick else TOOL_PATHS
     figures: List[Figure] = []
     rows: List[List[Cell]] = []
     # Not faster than real time: a reference that a busy machine delays would be late by more.
@@ -140,7 +144,7 @@ def run(session: Session) -> Result:
         figures=figures,
         pictures=pictures(ways),
         tables=[
-            Table(
+            ReportTable(
                 "Errors",
                 "errors.csv",
                 head,

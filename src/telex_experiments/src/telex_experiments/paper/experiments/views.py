@@ -22,8 +22,8 @@ from telex_control.common.geometry.matrices import pose_matrices
 
 from ...rigs.chromium import lacking
 from ..console import opened
-from ..experiment import Cell, Experiment, Figure, Picture, Result, Table
-from ..session import Session
+from ..experiment import Cell, Experiment, Figure, ReportPicture, ReportTable, Result
+from ..session import PaperSession
 
 CONSOLE_SIZE = (1280, 720)  # px
 DRIVE_TIME = 2.0  # s, for which the console's key is held
@@ -116,7 +116,7 @@ def magenta(picture: np.ndarray) -> Tuple[int, Tuple[float, float]]:
     return len(rows), (float(columns.mean()), float(rows.mean()))
 
 
-def spot(session: Session, view: CameraView, frames: Sequence[str]) -> Spot:
+def spot(session: PaperSession, view: CameraView, frames: Sequence[str]) -> Spot:
     """Put a ball on a camera's axis, and look whether it is seen where the model says."""
     namespace = session.namespace
     poses = np.array(session.wait_for("sim/poses", ScenePoses).poses).reshape(-1, 7)
@@ -177,7 +177,7 @@ def write_jpeg(path: Path, picture: np.ndarray) -> None:
     cv2.imwrite(str(path), picture[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, 85])
 
 
-def look_around(session: Session) -> Result:
+def look_around(session: PaperSession) -> Result:
     """Take the six views, and check what is in them."""
     with session.simulator(world="training_hall", pose="look_front", console=False):
         names = [view.camera for view in VIEWS]
@@ -225,18 +225,18 @@ def look_around(session: Session) -> Result:
             Figure("ball's area over the expected, largest", max(areas), "", at_most=MOST_AREA),
         ],
         pictures=[
-            Picture(
+            ReportPicture(
                 "What the six cameras see.",
                 "cameras.jpg",
                 "At the start in the training hall; the operator has nothing else to go by.",
                 wide=True,
             ),
-            Picture(
+            ReportPicture(
                 "The simulation in use.",
                 "overview.jpg",
                 "The instructor's camera, which operators are not shown.",
             ),
-            Picture(
+            ReportPicture(
                 "A ball on each camera's axis.",
                 "balls.jpg",
                 "Where the model of the robot says that the lens looks, and as large.",
@@ -244,7 +244,7 @@ def look_around(session: Session) -> Result:
             ),
         ],
         tables=[
-            Table(
+            ReportTable(
                 "Views",
                 "views.csv",
                 ("camera", "width px", "height px", "contrast", "ball aside px", "area / expected"),
@@ -257,12 +257,12 @@ def look_around(session: Session) -> Result:
     )
 
 
-def _place(session: Session) -> np.ndarray:
+def _place(session: PaperSession) -> np.ndarray:
     position = session.wait_for("sim/base_pose", PoseStamped).pose.position
     return np.array([position.x, position.y])
 
 
-def sit_at_the_console(session: Session) -> Result:
+def sit_at_the_console(session: PaperSession) -> Result:
     """Open the console, hold a key, and take its picture while the robot drives."""
     problem = lacking()
     if problem:
@@ -292,7 +292,7 @@ def sit_at_the_console(session: Session) -> Result:
             Figure("contrast of the page", contrast(page), "grey levels", at_least=LEAST_CONTRAST),
         ],
         pictures=[
-            Picture(
+            ReportPicture(
                 "The console in a browser.",
                 "console.jpg",
                 "While the key W is held: the robot drives, all cameras are live.",

@@ -12,7 +12,7 @@ from telex_training.operators.tasks.cube import CubeToBox
 from telex_training.operators.tasks.pallet import PalletSide
 
 from ..experiment import Experiment, Result
-from ..session import Session
+from ..session import PaperSession
 from .runs import TaskRuns, drive_course
 
 _HANDS = (
@@ -27,15 +27,15 @@ _CLAIM_9 = "Objects of different weights and shapes were grasped, "
 _BAR_9 = "done in at least 9 of 10 runs"
 
 
-def _pallet(session: Session) -> Result:
+def _pallet(session: PaperSession) -> Result:
     return TaskRuns(session, PalletSide, ("gripper",), 2.5).carry_out()
 
 
-def _briefcase(session: Session) -> Result:
+def _briefcase(session: PaperSession) -> Result:
     return TaskRuns(session, Briefcase, ("front",), 2.5).carry_out()
 
 
-def _cube(session: Session) -> Result:
+def _cube(session: PaperSession) -> Result:
     return TaskRuns(session, CubeToBox, ("gripper", "turret"), 1.5, looks=True).carry_out()
 
 

@@ -17,12 +17,12 @@ from telex_training.operators.tasks.task import Task, Verdict
 from telex_training.ros.live_robot import LiveRobot
 
 from ...workspace import SCENES
-from ..experiment import Cell, Figure, Picture, Result, Table
+from ..experiment import Cell, Figure, ReportPicture, ReportTable, Result
 from ..recorder import FEW_PICTURES, PICTURES
 from .film import Film
 
 if TYPE_CHECKING:
-    from ..session import Session
+    from ..session import PaperSession
 
 RUNS, QUICK_RUNS = 10, 2
 ENOUGH = 9
@@ -53,7 +53,7 @@ class TaskRuns:
 
     def __init__(
         self,
-        session: Session,
+        session: PaperSession,
         make: Callable[[], Task],
         cameras: Sequence[str],
         real_time_factor: float,
@@ -167,18 +167,18 @@ class TaskRuns:
         bar = ENOUGH if runs == RUNS else runs
         result = Result(
             figures=[Figure("done", done, f"of {runs} runs", at_least=bar)],
-            tables=[Table("The runs", "runs.csv", head, self._rows)],
+            tables=[ReportTable("The runs", "runs.csv", head, self._rows)],
             bags=[f"run_{row[0]:02d}.bag" for row in self._rows],
         )
         folder = self._session.folder
         result.bags = [bag for bag in result.bags if (folder / bag).exists()]
         if (folder / "film.jpg").exists():
             caption = "Run 1 as the instructor's camera sees it; sim time."
-            result.pictures.append(Picture("Run 1", "film.jpg", caption))
+            result.pictures.append(ReportPicture("Run 1", "film.jpg", caption))
         return result
 
 
-def drive_course(session: Session) -> Result:
+def drive_course(session: PaperSession) -> Result:
     """Drive the course of figure 10, its sections in one go."""
     result = Result()
     rows: List[List[Cell]] = []
@@ -202,13 +202,13 @@ def drive_course(session: Session) -> Result:
     strips = len(result.pictures)
     result.figures.append(Figure("filmstrips", strips, "", at_least=len(SECTIONS)))
     head = ["section", "done", "sim time (s)", "operator"]
-    result.tables.append(Table("The sections", "sections.csv", head, rows))
+    result.tables.append(ReportTable("The sections", "sections.csv", head, rows))
     result.bags.append("course.bag")
     return result
 
 
 def _drive(
-    section: Section, station: Station, film: Film, session: Session, result: Result
+    section: Section, station: Station, film: Film, session: PaperSession, result: Result
 ) -> Tuple[bool, float, str]:
     """Drive a section; return whether it was done, how long it took (s), and what was said."""
     film.look_from(*section.view)
@@ -226,7 +226,9 @@ def _drive(
     name = f"{section.name}.jpg"
     try:
         film.strip(session.folder / name, section.pictures, _COLUMNS)
-        result.pictures.append(Picture(section.title, name, "The instructor's camera; sim time."))
+        result.pictures.append(
+            ReportPicture(section.title, name, "The instructor's camera; sim time.")
+        )
     except NotManagedError as error:
         said = f"{said}; but there is no filmstrip: {error}"
     return done, taken, said

@@ -32,7 +32,7 @@ Rate = Callable[[str, List[float]], None]
 """Adds an operator's ratings of his workload to a trial's recording; raises a RuntimeError."""
 
 
-class Pages(PageServer):
+class TrainingPages(PageServer):
     """Sheets, briefs and pictures of exercises over HTTP.
 
     Parameters
