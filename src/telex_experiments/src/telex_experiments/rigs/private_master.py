@@ -66,16 +66,16 @@ def end_tree(process: subprocess.Popen, timeout: float = STOP_TIMEOUT) -> None:
         case, also those that have a session of their own, as roslaunch's nodes have.
     """
     # A child whose parent has ended is nobody's descendant: remember them before.
-    tree = {pid: _start_time(pid) for pid in descendants(process.pid)}
+    tree = {pid: start_time(pid) for pid in descendants(process.pid)}
     _signal_group(process.pid, signal.SIGINT)
     try:
         process.wait(timeout)
     except subprocess.TimeoutExpired:
-        tree.update({pid: _start_time(pid) for pid in descendants(process.pid)})
+        tree.update({pid: start_time(pid) for pid in descendants(process.pid)})
     _signal_group(process.pid, signal.SIGKILL)
     for pid, started in tree.items():
         # The number may belong to somebody else by now.
-        if started is not None and _start_time(pid) == started:
+        if started is not None and start_time(pid) == started:
             with contextlib.suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGKILL)
     process.wait()
@@ -98,8 +98,11 @@ def _signal_group(pid: int, number: int) -> None:
         os.killpg(pid, number)
 
 
-def _start_time(pid: int) -> Optional[str]:
-    """When a process began (clock ticks since boot), which tells it from later ones of its id."""
+def start_time(pid: int) -> Optional[str]:
+    """Return when a process began (clock ticks since boot), which tells it from later ones.
+
+    None if there is none of that id.
+    """
     try:
         with open(f"/proc/{pid}/stat") as file:
             return file.read().rpartition(")")[2].split()[19]
