@@ -2,6 +2,7 @@
 /** A small client of the rosbridge v2 protocol that reconnects by itself. */
 
 import { atBeat } from "./beat.js";
+import { stoodStill } from "./deadman.js";
 import { term } from "./language/term.js";
 
 const RETRY_AFTER = 1000; // ms between two attempts to connect
@@ -38,7 +39,7 @@ export class Bridge {
     this._events = events;
     /** @type {WebSocket | null} */
     this._socket = null;
-    /** @type {Map<string, {type: string, latch: boolean, urgent: boolean}>} */
+    /** @type {Map<string, {type: string, latch: boolean, urgent: boolean, held: boolean}>} */
     this._advertised = new Map();
     /** Number of calls under way during which only urgent topics are published. */
     this._alone = 0;
@@ -128,22 +129,28 @@ export class Bridge {
   /**
    * @param {string} topic
    * @param {string} type
-   * @param {{latch?: boolean, urgent?: boolean}} [options]  Urgent: is published even during `callAlone`.
+   * @param {{latch?: boolean, urgent?: boolean, held?: boolean}} [options]  Urgent: is published even during `callAlone`. Held: lasts
+   *   as long as something is held, and is not published when the page has just stood still.
    */
-  advertise(topic, type, { latch = false, urgent = false } = {}) {
-    this._advertised.set(topic, { type, latch, urgent });
+  advertise(topic, type, { latch = false, urgent = false, held = false } = {}) {
+    this._advertised.set(topic, { type, latch, urgent, held });
     if (this.connected) this._advertiseNow(topic);
   }
 
   /**
-   * Publish on an advertised topic; without a connection, or during `callAlone`, the message is dropped.
+   * Publish on an advertised topic; without a connection, or during `callAlone`, the message is dropped, as is one of
+   * what is held after a standstill of the page.
    * @param {string} topic
    * @param {object} msg
    * @returns {boolean} Whether it was sent.
    */
   publish(topic, msg) {
-    if (this._alone > 0 && this._advertised.get(topic)?.urgent !== true) return false;
-    return this._send({ op: "publish", topic, msg });
+    const { urgent = false, held = false } = this._advertised.get(topic) ?? {};
+    if (this._alone > 0 && !urgent) return false;
+    // The page may have been stopped since what is held was looked at. If it is from here on, the bridge finds the message too old.
+    const sent = performance.now();
+    if (held && stoodStill(sent)) return false;
+    return this._send({ op: "publish", topic, msg }, sent);
   }
 
   /**
@@ -204,7 +211,7 @@ export class Bridge {
 
   /** @param {string} topic */
   _advertiseNow(topic) {
-    const { type, latch } = /** @type {{type: string, latch: boolean, urgent: boolean}} */ (this._advertised.get(topic));
+    const { type, latch } = /** @type {{type: string, latch: boolean}} */ (this._advertised.get(topic));
     // One message may wait for a slow subscriber, not a hundred: an old command is worse than none.
     this._send({ op: "advertise", id: `advertise:${topic}`, topic, type, latch, queue_size: 1 });
   }
@@ -218,13 +225,12 @@ export class Bridge {
 
   /**
    * @param {object} operation
+   * @param {number} [sent]  When (ms): by this the bridge knows a command that was held up on its way, and drops it.
    * @returns {boolean}
    */
-  _send(operation) {
+  _send(operation, sent = performance.now()) {
     if (!this.connected) return false;
-    // By this the bridge knows a command that was held up on its way, and drops it.
-    const stamped = { ...operation, sent: performance.now() };
-    /** @type {WebSocket} */ (this._socket).send(JSON.stringify(stamped));
+    /** @type {WebSocket} */ (this._socket).send(JSON.stringify({ ...operation, sent }));
     return true;
   }
 

@@ -54,11 +54,11 @@ export class Commander {
   /** Announce the topics that commands go to. */
   advertise() {
     for (const node of JOINT_NODES) {
-      this._bridge.advertise(this._topic(`${node}/delta_joint_cmds`), TYPES.jointJog);
+      this._bridge.advertise(this._topic(`${node}/delta_joint_cmds`), TYPES.jointJog, { held: true });
       this._bridge.advertise(this._topic(`${node}/speed_scale`), TYPES.number);
     }
-    this._bridge.advertise(this._topic(`${FLIPPER_NODE}/preset_cmds`), TYPES.flipperPresetHold);
-    this._bridge.advertise(this._topic(`${TRACK_NODE}/cmd_vel`), TYPES.twist);
+    this._bridge.advertise(this._topic(`${FLIPPER_NODE}/preset_cmds`), TYPES.flipperPresetHold, { held: true });
+    this._bridge.advertise(this._topic(`${TRACK_NODE}/cmd_vel`), TYPES.twist, { held: true });
     this._bridge.advertise(this._topic(`${TRACK_NODE}/speed_scale`), TYPES.number);
   }
 

@@ -50,8 +50,8 @@ export class ToolCommander {
   }
 
   advertise() {
-    this._bridge.advertise(this._topic(`${NODE}/delta_twist_cmds`), TOOL_TYPES.twist);
-    this._bridge.advertise(this._topic(`${NODE}/named_pose_cmds`), TOOL_TYPES.name);
+    this._bridge.advertise(this._topic(`${NODE}/delta_twist_cmds`), TOOL_TYPES.twist, { held: true });
+    this._bridge.advertise(this._topic(`${NODE}/named_pose_cmds`), TOOL_TYPES.name, { held: true });
   }
 
   /** @param {any} status  telex_msgs/CartesianTeleopStatus */
