@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import Dict, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Dict, NamedTuple, Optional, Sequence, Tuple
 
 import rospy
 from sensor_msgs.msg import CompressedImage, JointState
@@ -25,6 +25,8 @@ from .cameras_process import CamerasProcess
 
 _STARTING, _DRAWING = 40.0, 8.0
 """Wall time that a picture may take (s): the first one of a process, and others."""
+_CONNECTING = 0.005
+"""Wall time (s) between two looks whether the picture's publisher is connected."""
 _TOLD_APART = 1000
 """Pictures of one sample that the last digits of a stamp tell apart: the stamps that were recorded
 are whole microseconds, and the digits below are the order of what was asked for."""
@@ -237,27 +239,41 @@ class Drawing:
         return stamp
 
     def _draw(self, replay: Replay, moment: Moment, others: Sequence[Pose], limit: float) -> bytes:
-        stamp = self._publish_poses(replay, moment, others)
         end = time.monotonic() + limit
+        # Each pose is drawn once. A publisher may still count a listener that has gone: the picture
+        # would go to that one, if it were drawn before this one is connected.
+        self._wait_for(self._is_connected, end, limit, _CONNECTING)
+        stamp = self._publish_poses(replay, moment, others)
 
         def has_come() -> bool:
-            picture = self._picture
-            ended = rospy.is_shutdown() or not self._process.runs
-            return ended or (picture is not None and picture.header.stamp.to_nsec() == stamp)
+            return self._picture is not None and self._picture.header.stamp.to_nsec() == stamp
 
+        self._wait_for(has_come, end, limit, 0.5)
+        assert self._picture is not None
+        self._draws = True
+        return bytes(self._picture.data)
+
+    def _is_connected(self) -> bool:
+        return self._subscriber is not None and self._subscriber.get_num_connections() > 0
+
+    def _wait_for(self, done: Callable[[], bool], end: float, limit: float, period: float) -> None:
+        """Wait until something is so, at most until a time (s).
+
+        Raises
+        ------
+        DrawingError
+            It has not become so, or what draws has ended.
+        """
         with self._come:
-            while not has_come():
+            while not done():
+                if rospy.is_shutdown() or not self._process.runs:
+                    raise DrawingError("what draws has ended; the log says why")
                 left = end - time.monotonic()
                 if left <= 0.0:
                     raise DrawingError(
                         f"no picture of the camera '{self._camera}' came within {limit:g} s"
                     )
-                self._come.wait(min(left, 0.5))
-            picture = self._picture
-        if not self._process.runs or picture is None:
-            raise DrawingError("what draws has ended; the log says why")
-        self._draws = True
-        return bytes(picture.data)
+                self._come.wait(min(left, period))
 
 
 def _others(ghost: Optional[Ghost], moment: Moment, camera: str) -> Sequence[Pose]:
