@@ -496,11 +496,18 @@ class TestCameras:
 
         infos = stage.infos("front")
         assert infos.wait().focal_length == pytest.approx(FOCAL)
+        told = stage.topics.heard("cameras/front/zoom_factor", Float64)
+        wait_until(lambda: told, "the factor that it begins with")
         zoom = stage.commands("cameras/front/zoom", Float64)
         for value, factor in ((2.5, 2.5), (float("nan"), 2.5), (99.0, 4.0), (-1.0, 1.0)):
             zoom.publish(value)
             time.sleep(0.2)
             assert infos.newest(0.2).focal_length == pytest.approx(factor * FOCAL)
+        assert [each.data for each in told] == [1.0, 2.5, 4.0, 1.0]
+        # Who comes later is told as well.
+        late = stage.topics.heard("cameras/front/zoom_factor", Float64)
+        wait_until(lambda: late, "the factor that it has now")
+        assert late[0].data == 1.0
         assert "camera front: zoom is nan; 1 to 4 is possible" in stage.said
         assert "camera front: zoom is 99; 1 to 4 is possible, 4 is taken" in stage.said
         assert "camera front: zoom is -1; 1 to 4 is possible, 1 is taken" in stage.said
@@ -606,6 +613,8 @@ class TestCameras:
     def test_lamps_are_switched(self, stage, front):
         from std_msgs.msg import Float64
 
+        told = stage.topics.heard("lamps/head/level", Float64)
+        wait_until(lambda: told, "the level that it begins with")
         level = stage.commands("lamps/head/command", Float64)
         stage.simulator.revision += 1
         stage.simulator.describe(RED, ambient=0.0)
@@ -619,6 +628,7 @@ class TestCameras:
         off, still_off, full, _ = seen
         assert off == still_off == 0.0
         assert 10.0 < starting < full
+        assert [each.data for each in told] == [0.5, 0.0, 1.0, 0.5]
         assert "lamp head: level is nan; 0 to 1 is possible, it stays at 0" in stage.said
 
     def test_while_paused_a_picture_now_and_then(self, stage, front):

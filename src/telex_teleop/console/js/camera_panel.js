@@ -6,7 +6,7 @@ import { byId, element, holdButton, row, rowsOf, setText } from "./panels.js";
 
 const LONGEST_STEP = 100; // ms; after a longer time between two commands, nothing was held in between
 
-const ECHO_WITHIN = 1000; // ms in which what this page has commanded comes back to it
+const ECHO_WITHIN = 1000; // ms in which the factor may be one from before what this page has commanded last
 
 const NUMBER = "std_msgs/Float64";
 
@@ -55,7 +55,7 @@ export class CameraCommander {
     this._zoomTopic = topic;
     this._bridge.advertise(topic, NUMBER);
     this._bridge.subscribe({
-      topic, type: NUMBER, throttle: 100, heard: ({ data }) => {
+      topic: `${topic}_factor`, type: NUMBER, throttle: 100, heard: ({ data }) => {
         // Others may zoom as well, but what arrives while this page zooms is its own echo.
         if (performance.now() - this._last > ECHO_WITHIN) this._take(data);
       },

@@ -17,6 +17,7 @@ export class Lamps {
   constructor(vocabulary, bridge, topic, place, key) {
     this._bridge = bridge;
     this._topic = (/** @type {string} */ lamp) => topic(`lamps/${lamp}/command`);
+    this._level = (/** @type {string} */ lamp) => topic(`lamps/${lamp}/level`);
     /** @type {Set<string>} */
     this._lit = new Set();
     this.switches = vocabulary.find("lamps").map((action) => {
@@ -29,13 +30,12 @@ export class Lamps {
     this._show();
   }
 
-  /** Advertise the topics of the lamps, and follow what others switch. */
+  /** Advertise the topics of the lamps, and follow how they are switched, by whomever. */
   advertise() {
     for (const lamp of this.switches.flatMap(({ action }) => action.does.names)) {
-      const topic = this._topic(lamp);
-      this._bridge.advertise(topic, LEVEL);
+      this._bridge.advertise(this._topic(lamp), LEVEL);
       this._bridge.subscribe({
-        topic, type: LEVEL, throttle: 0, heard: ({ data }) => {
+        topic: this._level(lamp), type: LEVEL, throttle: 0, heard: ({ data }) => {
           this._take(lamp, data);
           this._show();
         },

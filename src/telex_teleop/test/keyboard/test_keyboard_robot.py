@@ -40,8 +40,7 @@ class Graph:
         arguments = () if callback_args is None else (callback_args,)
         self.receivers[name] = lambda message: callback(message, *arguments)
 
-    def say(self, name, message, caller="/somebody"):
-        message._connection_header = {"callerid": caller}
+    def say(self, name, message):
         self.receivers[name](message)
 
 
@@ -153,29 +152,28 @@ class TestLamps:
 
     def test_what_others_have_lit_is_known(self, graph):
         robot = OperatedRobot("/r", lamps=("a", "b"))
-        graph.say("/r/lamps/b/command", Float64(0.4))
+        graph.say("/r/lamps/b/level", Float64(0.4))
         assert robot.lit == ("b",)
         robot.switch_lamps(("a", "b"))
         assert [message.data for _, message in graph.sent] == [0.0, 0.0]
 
-    def test_our_own_words_that_come_late_undo_nothing(self, graph):
-        robot = OperatedRobot("/r", lamps=("a",))
-        robot.switch_lamps(("a",))
-        graph.say("/r/lamps/a/command", Float64(0.0), caller="/us")
-        assert robot.lit == ("a",)
 
-
-def test_zoom_goes_on_from_where_others_have_set_it(graph, monkeypatch):
+def test_zoom_goes_on_from_where_the_camera_is(graph, monkeypatch):
     robot = OperatedRobot("/r", zoom_rate=1.0, max_zoom=6.0)
-    graph.say("/r/cameras/turret/zoom", Float64(3.0))
     now = [10.0]
     monkeypatch.setattr("telex_teleop.operating.operated_robot.time.monotonic", lambda: now[0])
+    graph.say("/r/cameras/turret/zoom_factor", Float64(3.0))
     for share in (1.0, 1.0, 0.0):
         robot.send(Commands(jogs={}, drive=(), zoom=(share,)))
         now[0] += 0.1
     name, message = graph.sent[0]
     assert name == "/r/cameras/turret/zoom"
     assert message.data == pytest.approx(3.0 * 1.10517, rel=1e-4)
+    # A factor from before what was sent last undoes nothing; one from long after it counts.
+    for later, factor in ((0.2, message.data), (2.0, 1.5)):
+        now[0] += later
+        graph.say("/r/cameras/turret/zoom_factor", Float64(1.5))
+        assert robot.zoom == pytest.approx(factor)
 
 
 def test_full_rates_are_what_the_nodes_say(graph):

@@ -621,7 +621,7 @@ def test_the_sheet_says_which_aids_were_on_and_for_how_long(urdf):
     tell(trial)  # a page that says nothing of aids has changed none
     tell(trial, aids={"range": False})
     for level in (1.0, 0.0):
-        trial.feed("lamps/laser_left/command", "std_msgs/Float64", serialized(Float64(level)))
+        trial.feed("lamps/laser_left/level", "std_msgs/Float64", serialized(Float64(level)))
         tell(trial, aids={"range": False})
         trial.seconds(0.5)
     sheet = trial.judge.sheet()
@@ -654,7 +654,7 @@ def test_a_page_without_aids_leaves_no_word_of_them_and_one_with_none_says_so():
 
 def test_a_switch_without_lasers_is_no_aid():
     trial = ready()
-    trial.feed("lamps/laser_left/command", "std_msgs/Float64", serialized(Float64(1.0)))
+    trial.feed("lamps/laser_left/level", "std_msgs/Float64", serialized(Float64(1.0)))
     trial.drive(1.0)
     assert "aids" not in trial.judge.sheet()
 

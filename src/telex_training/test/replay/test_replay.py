@@ -233,9 +233,16 @@ class TestWhatHappened:
 
 
 class TestCameras:
-    def test_lamps_and_zoom_are_as_they_were(self, tmp_path):
+    @pytest.mark.parametrize(
+        ("lamp", "zoom"),
+        [
+            ("lamps/front_left/level", "cameras/turret/zoom_factor"),
+            ("lamps/front_left/command", "cameras/turret/zoom"),  # as it was recorded before
+        ],
+    )
+    def test_lamps_and_zoom_are_as_they_were(self, tmp_path, lamp, zoom):
         trial = drill()
-        for channel, value in (("lamps/front_left/command", 1.0), ("cameras/turret/zoom", 3.0)):
+        for channel, value in ((lamp, 1.0), (zoom, 3.0)):
             trial.feed(channel, "std_msgs/Float64", serialized(Float64(value)))
         trial.sample(5)
         replay = Replay.open(record(tmp_path / "t1.mcap", trial.entries), {})

@@ -22,7 +22,6 @@ from telex_msgs.msg import (
 )
 from telex_msgs.srv import Bookmark, Restore, SetMode
 
-from telex_control.ros.rospy_fixes.connections import sender_of
 from telex_teleop.actions.grammar import NODES
 from telex_teleop.motion.e_stop_state import EStopState
 from telex_teleop.motion.speed import MAX_ZOOM, ZOOM_RATE, stepped
@@ -35,6 +34,9 @@ from telex_teleop.tracks.track_drive import Velocity
 SPEED_PENDING = 0.5
 # The one camera that pans, tilts and zooms.
 ZOOM_TOPIC = "cameras/turret/zoom"
+
+_ECHO_WITHIN = 1.0
+"""Time (s) in which the camera's factor may be one from before what was sent last."""
 
 
 class OperatedRobot:
@@ -69,6 +71,7 @@ class OperatedRobot:
         self._cartesian: Optional[Any] = None
         self._zoom_rate = zoom_rate
         self._zoom = ZoomFactor(max_zoom)
+        self._zoomed = -math.inf
         self._levels: Dict[str, float] = dict.fromkeys(lamps, 0.0)
         self._jogs = {
             node: self._publisher(f"{node}_teleop/delta_joint_cmds", JointJog) for node in NODES
@@ -127,12 +130,12 @@ class OperatedRobot:
 
     @property
     def zoom(self) -> float:
-        """Zoom factor of the camera, as far as anybody has told it one."""
+        """Zoom factor of the camera; 1 until it has told one."""
         return self._zoom.value
 
     @property
     def lit(self) -> Tuple[str, ...]:
-        """Lamps that are lit, as far as anybody has switched them."""
+        """Lamps that are switched on; none until they have told it."""
         return tuple(lamp for lamp, level in self._levels.items() if level > 0.0)
 
     # ------------------------------------------------------------ full rates
@@ -204,6 +207,7 @@ class OperatedRobot:
             before = self._zoom.value
             factor = self._zoom.turn(share * self._zoom_rate, time.monotonic())
             if factor != before:
+                self._zoomed = time.monotonic()
                 self._zoom_publisher.publish(Float64(factor))
 
     def change_speed(self, direction: int, step: float) -> None:
@@ -343,10 +347,10 @@ class OperatedRobot:
         self._listen("e_stop", Bool, self._on_e_stop)
         self._listen("sim/status", SimStatus, self._on_sim_status)
         self._listen("link/state", LinkState, self._on_link)
-        # Others zoom and switch lamps, too, and neither camera nor lamp tells its state.
-        self._listen(ZOOM_TOPIC, Float64, self._on_zoom)
+        # Others zoom and switch lamps, too.
+        self._listen(f"{ZOOM_TOPIC}_factor", Float64, self._on_zoom)
         for lamp in self._lamps:
-            self._listen(f"lamps/{lamp}/command", Float64, self._on_lamp, lamp)
+            self._listen(f"lamps/{lamp}/level", Float64, self._on_lamp, lamp)
 
     def _listen(self, name: str, kind: Any, callback: Any, argument: Optional[str] = None) -> None:
         rospy.Subscriber(
@@ -377,17 +381,12 @@ class OperatedRobot:
         self._cartesian = message
 
     def _on_zoom(self, message: Any) -> None:
-        if not _is_ours(message):
+        # What we have sent is told late, and would undo what we have sent since.
+        if time.monotonic() - self._zoomed > _ECHO_WITHIN:
             self._zoom.take(message.data)
 
     def _on_lamp(self, message: Any, lamp: str) -> None:
-        if not _is_ours(message):
-            self._levels[lamp] = message.data
-
-
-def _is_ours(message: Any) -> bool:
-    # our own messages come back late, and would undo what we have sent since
-    return sender_of(message) == rospy.get_name()
+        self._levels[lamp] = message.data
 
 
 def _positive(rate: Optional[float]) -> Optional[float]:

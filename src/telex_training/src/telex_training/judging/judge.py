@@ -38,7 +38,7 @@ from .entries import (
 )
 from .malfunctions import EpisodeEvent
 from .moments import INPUT as MOMENT
-from .records.aids import LASER, LASER_LINK
+from .records.aids import LASER_LINK, LASERS
 from .records.handling import goal_zones
 from .records.other_robot import CHANNELS, OtherRobot, channel_of
 from .records.robot import Happening
@@ -136,7 +136,7 @@ class Judge:
             ACTIONS: self._take_action,
             LINK: self._take_link,
             TELEMETRY: self._take_telemetry,
-            **({LASER: self._take_lasers} if f'"{LASER_LINK}"' in urdf else {}),
+            **(dict.fromkeys(LASERS, self._take_lasers) if f'"{LASER_LINK}"' in urdf else {}),
             INPUTS: self._take_input,
             MALFUNCTIONS: lambda entry: self._say_events(self._record.malfunctions.hear(entry)),
             E_STOP: lambda entry: self._say_events(self._record.malfunctions.e_stop(entry)),

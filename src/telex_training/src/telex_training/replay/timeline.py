@@ -7,6 +7,7 @@ simulator began anew in the middle of a recording.
 from __future__ import annotations
 
 import math
+import re
 import struct
 from typing import Any, Dict, List, NamedTuple, Sequence, Tuple
 
@@ -272,7 +273,7 @@ class Timeline:
                 self.keys.setdefault(node, Intervals()).extend(self._now, _HOLDS)
         elif entry.kind == _FLOAT:
             (value,) = _float(entry.data)
-            self.switches.setdefault(channel, Steps()).append(self._now, value)
+            self.switches.setdefault(_setting(channel), Steps()).append(self._now, value)
 
     def _take_truth(self, entry: Entry) -> None:
         sample = read_sample(entry.data)
@@ -345,6 +346,13 @@ class Timeline:
     def parts(self) -> Tuple[TimelinePart, ...]:
         """All of them, in the order of time."""
         return tuple(self._parts)
+
+
+def _setting(channel: str) -> str:
+    """Topic that sets what is told on a channel; recordings of before have that topic itself."""
+    for told, sets in ((r"(cameras/\w+/zoom)_factor", r"\1"), (r"(lamps/\w+/)level", r"\1command")):
+        channel = re.sub(f"^{told}$", sets, channel)
+    return channel
 
 
 def _force(sample: Sample, names: Names) -> float:

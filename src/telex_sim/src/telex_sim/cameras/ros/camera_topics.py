@@ -131,6 +131,7 @@ class CameraStream:
         self._publishers: List[rospy.Publisher] = []
         self._depth: Optional[rospy.Publisher] = None
         self._zoom: Optional[rospy.Subscriber] = None
+        self._zoom_factor: Optional[rospy.Publisher] = None
 
     # ------------------------------------------------------------ any thread
 
@@ -160,6 +161,12 @@ class CameraStream:
             )
         with self._writing:
             self._setting = (self._setting[0], zoom)
+        self._tell_zoom()
+
+    def _tell_zoom(self) -> None:
+        told = self._zoom_factor
+        if told is not None:
+            told.publish(Float64(self._setting[1]))
 
     # ------------------------------------------------------------ the thread that renders
 
@@ -181,6 +188,10 @@ class CameraStream:
         self._preview = _publisher(f"{topic}/preview/compressed", CompressedImage)
         self._publishers = [self._compressed, self._raw, self._info, self._preview]
         if self.config.zoom_max > 1.0:
+            self._zoom_factor = rospy.Publisher(
+                f"{topic}/zoom_factor", Float64, queue_size=1, latch=True, tcp_nodelay=True
+            )
+            self._tell_zoom()
             self._zoom = rospy.Subscriber(
                 f"{topic}/zoom", Float64, self._take_zoom, queue_size=1, tcp_nodelay=True
             )
@@ -190,9 +201,10 @@ class CameraStream:
         for publisher in self._publishers:
             publisher.unregister()
         self._publishers = []
-        if self._zoom is not None:
+        if self._zoom is not None and self._zoom_factor is not None:
             self._zoom.unregister()
-            self._zoom = None
+            self._zoom_factor.unregister()
+            self._zoom = self._zoom_factor = None
 
     def _offer_depth(self, wanted: bool) -> None:
         if wanted and self._depth is None:

@@ -94,6 +94,8 @@ def _itself(frame_in_world: np.ndarray, now: float) -> np.ndarray:
 class LampSwitches:
     """Hears on ``lamps/<name>/command`` how brightly each lamp shall burn.
 
+    Tells it on ``lamps/<name>/level``, latched: how a lamp is switched, not whether it burns.
+
     Parameters
     ----------
     lamps
@@ -105,6 +107,14 @@ class LampSwitches:
     def __init__(self, lamps: Mapping[str, LampConfig], prefix: str = "") -> None:
         # Single items are replaced by ROS's threads, which needs no lock.
         self._levels: Dict[str, float] = {name: lamp.level for name, lamp in lamps.items()}
+        self._told: Dict[str, rospy.Publisher] = {
+            name: rospy.Publisher(
+                f"{prefix}lamps/{name}/level", Float64, queue_size=1, latch=True, tcp_nodelay=True
+            )
+            for name in lamps
+        }
+        for name in lamps:
+            self._tell(name)
         self._subscribers: List[rospy.Subscriber] = [
             rospy.Subscriber(
                 f"{prefix}lamps/{name}/command",
@@ -131,3 +141,7 @@ class LampSwitches:
             )
             return
         self._levels[name] = message.data
+        self._tell(name)
+
+    def _tell(self, name: str) -> None:
+        self._told[name].publish(Float64(self._levels[name]))

@@ -9,8 +9,10 @@ from ..entries import BadEntryError
 
 FIELD = "aids"
 """Of the telemetry: a struct of names, true for a training aid."""
-LASER_DOTS, LASER = "laser dots", "lamps/laser_left/command"
-"""An aid that is light: its name, and the channel of the lamp that is switched with the other."""
+LASER_DOTS = "laser dots"
+"""An aid that is light."""
+LASERS = ("lamps/laser_left/level", "lamps/laser_left/command")
+"""Channels of the lamp that is switched with the other one; old recordings have the second."""
 LASER_LINK = "left_laser_link"
 """From where that one shines; on a robot without it, nothing does."""
 WORDS = {

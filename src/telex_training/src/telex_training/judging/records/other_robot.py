@@ -24,7 +24,7 @@ from ..entries import (
 from ..malfunctions import MalfunctionRecord
 from ..truth import Names, Sample, World
 from ..validity import Continuity, LinkRecord
-from .aids import LASER, LASER_LINK
+from .aids import LASER_LINK, LASERS
 
 CHANNELS = (
     NAMES,
@@ -36,7 +36,7 @@ CHANNELS = (
     CLIENTS,
     TELEMETRY,
     LINK,
-    LASER,
+    *LASERS,
     *COMMANDS,
     *STATUSES,
 )
@@ -95,7 +95,7 @@ class OtherRobot:
         if channel == CLIENTS:
             activity.clients(entry)
             return []
-        if channel == LASER:
+        if channel in LASERS:
             if self._has_lasers:
                 activity.aids.switch_lasers(decode(entry, "std_msgs/Float64").data)
             return []

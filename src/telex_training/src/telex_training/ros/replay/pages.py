@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import functools
 import math
 from pathlib import Path
@@ -84,11 +85,9 @@ class ReplayPages(PageServer):
     async def _about(self, request: web.Request) -> web.Response:
         found = await self._permitted(request)
         replay = found.replay
-        # It needs seconds to start: meanwhile the page shows what happened.
-        starting = aside(self._drawing.start, replay)
-        about = {**await aside(replay.about), "problems": found.problems}
-        await starting
-        return web.json_response(about)
+        # What draws needs seconds to start.
+        about, _ = await asyncio.gather(aside(replay.about), aside(self._drawing.start, replay))
+        return web.json_response({**about, "problems": found.problems})
 
     async def _picture(self, request: web.Request) -> web.Response:
         found = await self._permitted(request)
