@@ -123,8 +123,17 @@ class Topics:
 def wait_until_connected(*ends: Any, timeout: float = 30.0) -> None:
     """Wait until somebody is at the other end of each of some publishers and subscribers."""
 
+    import rospy
+
+    from telex_control.ros.rospy_fixes.connections import has_answer
+
+    def is_alone(end: Any) -> bool:
+        # rospy counts a subscriber's connection while it is still being made.
+        subscribes = isinstance(end, rospy.Subscriber)
+        return not (has_answer(end) if subscribes else end.get_num_connections())
+
     def alone() -> List[str]:
-        return [each.resolved_name for each in ends if not each.get_num_connections()]
+        return [each.resolved_name for each in ends if is_alone(each)]
 
     wait_until(
         lambda: not alone(), lambda: f"somebody at the other end of {', '.join(alone())}", timeout

@@ -8,6 +8,7 @@ import time
 import pytest
 from own_ros import Topics
 from replay_drill import drill, record
+from rospy.impl.tcpros_base import TCPROSTransport
 from waiting import wait_until
 
 from telex_training.replay.cameras import OUTSIDE
@@ -82,8 +83,15 @@ def ask(made, replay, pictures):
         pictures.append(error)
 
 
-def test_poses_wait_for_whom_their_picture_is_for(parts):
+def test_poses_wait_for_whom_their_picture_is_for(parts, monkeypatch):
     made, cameras, replay = parts
+    connect = TCPROSTransport.connect
+
+    def connect_slowly(transport, *arguments, **options):
+        time.sleep(0.3)
+        connect(transport, *arguments, **options)
+
+    monkeypatch.setattr(TCPROSTransport, "connect", connect_slowly)
     pictures = []
     asking = threading.Thread(target=ask, args=(made, replay, pictures))
     asking.start()

@@ -20,6 +20,14 @@ def is_connected(subscriber: rospy.Subscriber, name: str) -> bool:
     return any(each.callerid_pub == name for each in _connections(subscriber))
 
 
+def has_answer(subscriber: rospy.Subscriber) -> bool:
+    """Return whether a publisher has answered a subscriber, and will send it what it publishes.
+
+    What rospy counts are connections from when they begin to be made.
+    """
+    return any(each.callerid_pub != UNNAMED for each in _connections(subscriber))
+
+
 def open_publishers(subscriber: rospy.Subscriber) -> FrozenSet[str]:
     """Return the names of the nodes whose connections to a subscriber are open now.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import Callable, Dict, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Dict, NamedTuple, Optional, Sequence, Set, Tuple
 
 import rospy
 from sensor_msgs.msg import CompressedImage, JointState
@@ -13,6 +13,7 @@ from telex_msgs.msg import CameraRadiation, Malfunctions, SceneDescription, Scen
 
 from telex_control.common.geometry.matrices import pose_matrix, quaternion_tuple
 from telex_control.common.geometry.quaternions import Pose
+from telex_control.ros.rospy_fixes.connections import has_answer
 from telex_sim.cameras.cameras_config import ORBIT, ViewConfig
 from telex_sim.cameras.ros.overview_rig import OverviewRig
 
@@ -24,7 +25,7 @@ from ...replay.timeline import Moment
 from .cameras_process import CamerasProcess
 
 _STARTING, _DRAWING = 40.0, 8.0
-"""Wall time that a picture may take (s): the first one of a process, and others."""
+"""Wall time that a picture may take (s): the first one of a camera in a scene, and others."""
 _CONNECTING = 0.005
 """Wall time (s) between two looks whether the picture's publisher is connected."""
 _TOLD_APART = 1000
@@ -79,8 +80,8 @@ class Drawing:
         self._revision = self._number = 0
         self._view = _USUAL_VIEW
         self._drawn_at = 0.0
-        # Whether it has shown a picture of this scene: only the first one takes long.
-        self._draws = False
+        # Cameras that have shown a picture of this scene: only the first one of each takes long.
+        self._draws: Set[str] = set()
 
     def _publisher(self, topic: str, kind: type) -> rospy.Publisher:
         # Latched: the cameras' node comes later, and listens only while somebody looks.
@@ -137,7 +138,7 @@ class Drawing:
             time.sleep(max(0.0, min(spacing, self._drawn_at + spacing - time.monotonic())))
             self._view = view or self._view
             self._prepare(replay, moment, ghost)
-            limit = _DRAWING if self._draws else _STARTING
+            limit = _DRAWING if camera in self._draws else _STARTING
             self._look_through(camera)
             changed = self._publish_equipment(replay, moment)
             others = _others(ghost, moment, camera)
@@ -171,7 +172,7 @@ class Drawing:
         """Have the scene of a moment shown, which may take a while."""
         part = moment.part
         if self._process.require(replay_config(replay.cameras, part.robot, self._niceness)):
-            self._draws = False
+            self._draws.clear()
         light = replay.light(moment)
         shown = _Shown(replay, part.robot, part.names.objects, ghost, light)
         if shown == self._shown:
@@ -179,7 +180,8 @@ class Drawing:
         self._revision += 1
         robot = None if ghost is None else ghost.robot
         self._scene.publish(replay.scenery.description(moment, self._revision, robot, light))
-        self._shown, self._draws = shown, False
+        self._shown = shown
+        self._draws.clear()
 
     def _look_through(self, camera: str) -> None:
         if camera == self._camera:
@@ -250,11 +252,11 @@ class Drawing:
 
         self._wait_for(has_come, end, limit, 0.5)
         assert self._picture is not None
-        self._draws = True
+        self._draws.add(self._camera)
         return bytes(self._picture.data)
 
     def _is_connected(self) -> bool:
-        return self._subscriber is not None and self._subscriber.get_num_connections() > 0
+        return self._subscriber is not None and has_answer(self._subscriber)
 
     def _wait_for(self, done: Callable[[], bool], end: float, limit: float, period: float) -> None:
         """Wait until something is so, at most until a time (s).
