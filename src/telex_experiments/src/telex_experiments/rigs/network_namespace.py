@@ -21,6 +21,7 @@ _TUNSETIFF = 0x400454CA
 _IFF_TUN, _IFF_NO_PI = 0x0001, 0x1000
 _LARGEST = 65536
 """Bytes of a packet."""
+_FOLDER = "/run/netns"
 
 
 class NoNamespaceError(RuntimeError):
@@ -49,6 +50,7 @@ class NetworkNamespace:
         number = os.getpid()
         self._delay = delay
         self._relay: Optional[subprocess.Popen] = None
+        self._was_mounted = True
         self._name = f"telex{number}"
         self._near, self._far = f"tlx{number}n", f"tlx{number}f"
         # A net of two addresses out of the range that is kept for measurements of networks.
@@ -63,6 +65,7 @@ class NetworkNamespace:
         return os.geteuid() == 0
 
     def __enter__(self) -> NetworkNamespace:
+        self._was_mounted = _is_mounted()
         try:
             _ip("netns", "add", self._name)
             if self._delay:
@@ -102,6 +105,9 @@ class NetworkNamespace:
             self._relay.wait()
         for words in (("link", "del", self._near), ("netns", "del", self._name)):
             subprocess.run(["ip", *words], stderr=subprocess.DEVNULL, check=False)
+        if not self._was_mounted:
+            # Fails, as it shall, while there are other networks.
+            subprocess.run(["umount", _FOLDER], stderr=subprocess.DEVNULL, check=False)
 
     def cut(self) -> None:
         """Pull the cable out."""
@@ -110,6 +116,12 @@ class NetworkNamespace:
     def mend(self) -> None:
         """Put it in again."""
         _ip("link", "set", self._near, "up")
+
+
+def _is_mounted() -> bool:
+    """Whether the folder of networks is mounted on itself, as ip does for the first one."""
+    with open("/proc/self/mounts", encoding="utf-8") as mounts:
+        return any(line.split()[1] == _FOLDER for line in mounts)
 
 
 def _tun(name: str) -> int:
