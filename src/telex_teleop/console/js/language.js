@@ -99,7 +99,10 @@ export function again(sentence) {
  */
 export function translated(sentence) {
   const known = remembered(sentence) || isKnown(sentence) ? undefined : formOf(sentence);
-  if (known !== undefined) return anew(known, (value) => (DECIMAL.test(value) ? decimal(Number(value), value.split(".")[1].length) : translated(value)));
+  if (known !== undefined) return anew(known, translated);
+  const [figure = "", number, unit] = FIGURE.exec(sentence) ?? [];
+  if (figure !== "") return `${decimal(Number(number), number.split(".")[1].length)}${unit}`;
+  if (NAMES.test(sentence)) return sentence.split(", ").map(translated).join(", ");
   const now = again(sentence);
   const joint = JOINTS.find((each) => sentence.includes(each.split("|")[0]));
   return now !== sentence || joint === undefined ? now : sentence.split(joint.split("|")[0]).map(translated).join(text(joint));
@@ -108,8 +111,11 @@ export function translated(sentence) {
 /** What servers put sentences together with. */
 const JOINTS = [term("; |joint"), term(": |joint")];
 
-/** A figure as a server writes it. */
-const DECIMAL = /^-?\d+\.\d+$/;
+/** A figure as a server writes it, with its unit or without. */
+const FIGURE = /^(-?\d+\.\d+)((?: [^\s\d]+)?)$/;
+
+/** Names one after the other, such as those of an exercise and its setting. */
+const NAMES = /^\w+(?:, \w+)+$/;
 
 /** Whether a language has it. @param {string} sentence */
 function isKnown(sentence) {

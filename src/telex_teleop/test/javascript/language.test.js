@@ -61,8 +61,9 @@ test("what servers say is known by what it looks like", async () => {
   assert.equal(translated("the video server says 404"), "der Videoserver meldet 404");
   assert.equal(
     translated("slalom, day: 2 passed in a row, then 3 more passed; 12 of 14 repetitions are left"),
-    "slalom, day: 2 in Folge bestehen, danach 3 weitere bestehen; 12 von 14 Wiederholungen sind übrig",
+    "Slalom, Tag: 2 in Folge bestehen, danach 3 weitere bestehen; 12 von 14 Wiederholungen sind übrig",
   );
+  assert.deepEqual(["40.76 s", "-0.5", "10.0.0.1", "3 s"].map(translated), ["40,76 s", "-0,5", "10.0.0.1", "3 s"]);
   assert.equal(translated("nobody has said this"), "nobody has said this");
 });
 

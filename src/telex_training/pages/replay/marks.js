@@ -39,7 +39,7 @@ export function sentence(mark) {
   const force = event === "contact" && typeof detail?.force === "number" ? `, ${Math.round(detail.force)} N` : "";
   const how = detail?.by === "e_stop" ? text("emergency stop") : text("other command");
   const reaction = event === "reaction" && typeof detail?.seconds === "number" ? text(", {how} after {seconds} s", { how, seconds: decimal(detail.seconds, 2) }) : "";
-  return `${text(EVENTS[event] ?? event)}${about ? `: ${about}` : ""}${force}${reaction}`;
+  return `${text(EVENTS[event] ?? event)}${about ? text(": |joint") + about : ""}${force}${reaction}`;
 }
 
 /** @param {number} seconds */

@@ -114,7 +114,7 @@ class TestPoses:
     def test_shipped_cameras_stand_in(self, simulated):
         replay, _ = simulated
         assert replay.camera_names == ["front", "turret"]
-        assert any("says nothing of the cameras" in each for each in replay.problems)
+        assert any("says nothing about the cameras" in each for each in replay.problems)
 
 
 class TestTime:

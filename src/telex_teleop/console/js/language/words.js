@@ -23,7 +23,7 @@ export const WORDS = [
   // link, picture, grip
   "good", "fair", "poor", "lost", "slipping", "weak",
   // what fails, and how
-  "joint", "belt", "lamp", "key", "battery", "left_belt", "right_belt", "stuck", "limp", "thrown", "bias", "dead", "frozen", "dark", "noisy",
+  "unknown", "joint", "belt", "lamp", "key", "battery", "left_belt", "right_belt", "stuck", "limp", "thrown", "bias", "dead", "frozen", "dark", "noisy",
   "dirty", "blurred", "low", "gives only a part of its effort", "is jammed where it is", "gives no effort, and its brake does not hold",
   "its clutch slips", "the belt is off its wheels", "loses force", "its gyroscope drifts about the vertical", "does not burn",
   "goes on sending its last picture", "its pictures are dark", "its pictures are noisy", "its window is dirty", "is out of focus",
@@ -255,8 +255,8 @@ export const WORDS = [
   "The recording was cut off; what is left of it is shown.",
   "{count} entries make no sense and are left out.",
   "{names}: not in the scene as it was loaded, and not shown.",
-  "It says nothing of the cameras; those of this machine are shown.",
-  "Its cameras cannot be shown, this machine's are: {why}",
+  "The recording says nothing about the cameras; those of this machine are shown.",
+  "The recording's cameras cannot be shown, this machine's are: {why}",
   "The scene cannot be read, the robot is shown alone: {why}",
   "Recorded with software {recorded}, drawn with {software}.",
   "Meshes have changed since: {names}.",

@@ -153,12 +153,16 @@ class Replay:
     def _cameras(self, recording: Recording, others: Mapping[str, Any]) -> Mapping[str, Any]:
         found = _struct(recording, CAMERAS)
         if not found.get("cameras"):
-            self.problems.append("It says nothing of the cameras; those of this machine are shown.")
+            self.problems.append(
+                "The recording says nothing about the cameras; those of this machine are shown."
+            )
             return others
         try:
             read_config(CamerasConfig, replay_config(found, "robot", 0), CAMERAS)
         except ConfigError as error:
-            self.problems.append(f"Its cameras cannot be shown, this machine's are: {error}")
+            self.problems.append(
+                f"The recording's cameras cannot be shown, this machine's are: {error}"
+            )
             return others
         return found
 

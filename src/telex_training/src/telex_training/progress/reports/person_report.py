@@ -79,7 +79,7 @@ def _modules(each: Standing) -> str:
         module = one.module
         rows.append(
             [
-                f"{MARKS[one.state]} {escape(module.name)}",
+                f"<span>{MARKS[one.state]}</span> {escape(module.name)}",
                 escape(f"{module.exercise}, {module.setting}".rstrip(", ")),
                 escape(_state(one)),
                 _credit(one),
@@ -89,7 +89,7 @@ def _modules(each: Standing) -> str:
         part = exam.part
         rows.append(
             [
-                f"{exam_mark(each, exam)} exam",
+                f"<span>{exam_mark(each, exam)}</span> exam",
                 escape(f"{part.exercise}, {part.setting}".rstrip(", ")),
                 f"passed: {escape(exam.passed)}" if exam.passed else "not passed",
                 count(exam.tries, "try", "tries")
@@ -199,8 +199,9 @@ def _weak(weak: Weakness) -> Tuple[str, str]:
     missed = f"beyond its bound {weak.missed} of {weak.count}"
     if weak.missed:
         missed = f'<span class="bad">{missed}</span>'
-    text = f"{metric.text} ({metric.name}): {sign} {number(metric.bound, metric.unit)}"
-    return missed, escape(text)
+    # The text is a node of its own, for what translates the page.
+    bound = f"({escape(metric.name)}): {sign} {number(metric.bound, metric.unit)}"
+    return missed, f"<span>{escape(metric.text)}</span> {bound}"
 
 
 def _trials(trials: Sequence[TrialFacts]) -> str:
