@@ -67,6 +67,9 @@ FAULTS = """
       const less = part.getBoundingClientRect().bottom - room.getBoundingClientRect().bottom;
       if (less > 1) faults.push(`${less} px cut off below: ${part.className}`);
     }
+    const stop = document.getElementById("estop").getBoundingClientRect();
+    const chips = document.querySelector(".chips").getBoundingClientRect();
+    if (stop.left < chips.right) faults.push(`E-STOP not at the right: ${stop.left} px`);
     const {clientWidth: wide, clientHeight: high} = document.getElementById("view");
     const isPair = document.body.dataset.second === "true" && innerWidth > 900;
     if (isPair && wide > 1.06 * 4 / 3 * high) faults.push(`bars beside it: ${wide} x ${high}`);
@@ -117,6 +120,17 @@ def show(page, mode, robot):
     else:
         page.element('[data-layout="ARM"]').click()
     wait_until(lambda: page.is_in(mode))
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_one_of_several_robots_says_which_it_is(page, size):
+    page.resize(*size)
+    page.script(
+        "const brand = document.getElementById('brand');"
+        "brand.dataset.several = 'true'; brand.textContent = 'telex_six_axis';"
+    )
+    assert page.element("#brand").is_displayed()
+    assert page.script(FAULTS) == []
 
 
 @pytest.mark.parametrize("size", SIZES)
