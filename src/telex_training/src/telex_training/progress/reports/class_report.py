@@ -18,6 +18,7 @@ from .report_pieces import (
     NONE,
     exam_mark,
     figure,
+    heading,
     lead,
     number,
     page,
@@ -174,7 +175,7 @@ def _exercise(found: Sequence[Skill]) -> str:
         )
     heads = ["", "n", "passed", "reliability", "proficiency", "best", "weakest metric", "workload"]
     parts = [
-        f"<h2>{escape(first.title)}, {escape(first.setting)}</h2>",
+        heading(first),
         table(heads, rows),
     ]
     times = [(skill.operator or NOBODY, skill.times) for skill in found]

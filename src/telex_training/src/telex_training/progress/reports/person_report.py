@@ -18,6 +18,7 @@ from .report_pieces import (
     day,
     exam_mark,
     figure,
+    heading,
     lead,
     number,
     page,
@@ -116,7 +117,7 @@ def _credit(one: ModuleStanding) -> str:
 
 
 def _skill(skill: Skill) -> str:
-    head = f"<h2>{escape(skill.title)}, {escape(skill.setting)}</h2>"
+    head = heading(skill)
     if not skill.repetitions:
         return f"{head}<p>{count(skill.invalid, 'trial')}, none of them with a valid repetition</p>"
     rows = [
@@ -212,7 +213,7 @@ def _trials(trials: Sequence[TrialFacts]) -> str:
         rows.append(
             [
                 day(trial.began, clock=True),
-                escape(trial.exercise),
+                escape(trial.title or trial.exercise),
                 escape(trial.setting),
                 escape(f"{trial.mode}, {trial.flaw}" if trial.flaw else trial.mode),
                 str(len(trial.repetitions)),

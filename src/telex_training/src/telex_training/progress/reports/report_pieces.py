@@ -84,6 +84,11 @@ def number(value: Optional[float], unit: str) -> str:
     return NONE if value is None else escape(f"{value:.4g} {unit}".rstrip())
 
 
+def heading(skill: Skill) -> str:
+    """Write exercise and setting over what is said of them; each is translated by itself."""
+    return f"<h2><span>{escape(skill.title)}</span>, <span>{escape(skill.setting)}</span></h2>"
+
+
 def percent(share: Optional[float]) -> str:
     """Write a share in per cent."""
     return NONE if share is None else f"{100 * share:.0f} %"
