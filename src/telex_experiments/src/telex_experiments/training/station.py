@@ -33,6 +33,8 @@ _AHEAD, _ROUND = (0.4, 0.0), (0.0, 0.5)
 """Speeds (m/s, rad/s) with which it leaves its start, and with which it then turns on the spot."""
 _COMMAND_PERIOD = 0.02
 _PATIENCE = 120.0
+_TRY, _LET_GO = 3.0, 0.5
+"""Wall time for which it is driven off at a time, and between two of them (s)."""
 _SETTLING = 3.0
 """Wall time before CPU time is counted (s)."""
 
@@ -119,18 +121,29 @@ class TrainingStation:
         self._await("start of a trial", lambda: self._phase == WAITING)
 
     def _leave(self) -> None:
-        """Drive off until the clock starts."""
-        self._drive(_AHEAD, lambda: self._phase == RUNNING)
+        """Drive off until the clock starts, and where nothing comes of it let go and begin anew.
+
+        What was commanded before a node listened, or before it heard of a reset, is ignored until
+        it pauses.
+        """
+        end = time.monotonic() + _PATIENCE
+        while self._phase != RUNNING:
+            if time.monotonic() > end:
+                raise SimulatorStartError(f"the robot does not leave its start: {self._state}")
+            self._drive_off()
+
+    def _drive_off(self) -> None:
+        until = time.monotonic() + _TRY
+        self._drive(_AHEAD, lambda: self._phase == RUNNING or time.monotonic() > until)
+        if self._phase != RUNNING:
+            time.sleep(_LET_GO)
 
     def _drive(self, speeds: Tuple[float, float], enough: Callable[[], bool]) -> None:
         """Command speeds (m/s, rad/s) at the console's rate until it is enough."""
         message = Twist()
         message.linear.x, message.angular.z = speeds
-        end = time.monotonic() + _PATIENCE
         next_at = time.monotonic()
         while not enough():
-            if time.monotonic() > end:
-                raise SimulatorStartError(f"the robot does not leave its start: {self._state}")
             self._commands.publish(message)
             next_at += _COMMAND_PERIOD
             time.sleep(max(0.0, next_at - time.monotonic()))
