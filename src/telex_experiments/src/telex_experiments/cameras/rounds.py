@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import sys
+from typing import Any
 
 
 def main() -> None:
@@ -14,15 +15,17 @@ def main() -> None:
     os.environ.setdefault("LP_NUM_THREADS", "0")
     import cv2
 
-    from telex_experiments.cameras.renderer import LARGE, NAMES, RobotViews, package_path
+    from telex_experiments.cameras import renderer as recorded
     from telex_sim.cameras.drawing.gl_context import create_context
     from telex_sim.cameras.drawing.light.daylight import Lighting
     from telex_sim.cameras.drawing.quality import TIERS
     from telex_sim.cameras.drawing.renderer import Renderer
 
     cv2.setNumThreads(1)
-    renderer = Renderer(create_context(), TIERS["software"], Lighting(), package_path)
-    views = RobotViews(NAMES, LARGE)
+    renderer = Renderer(create_context(), TIERS["software"], Lighting(), recorded.package_path)
+    # Older revisions call them Views.
+    kind: Any = getattr(recorded, "RobotViews", None) or vars(recorded)["Views"]
+    views = kind(recorded.NAMES, recorded.LARGE)
     views.load(renderer)
     # Programs that a scene may need later are compiled between the first pictures.
     for number in range(1, 6):
