@@ -587,8 +587,8 @@ class TrackOperator:
 
 
 def period_of(driven):
-    """Usual time between commands (s of sim time): a busy machine holds a few of them up."""
-    assert len(driven) > 25
+    """Usual time between a second's commands (s of sim time); a busy machine loses a few."""
+    assert 40 <= len(driven) <= 54
     times = [moment for moment, _ in driven]
     return statistics.median(after - before for before, after in zip(times, times[1:]))
 
