@@ -361,6 +361,7 @@ def test_camera_table_is_complete_and_sound(robot: URDF) -> None:
             "near",
             "far",
             "distortion",
+            "vignetting",
             "detail",
             "rate",
             "jpeg_quality",

@@ -86,6 +86,9 @@ class OpticsConfig(Declared):
     distortion: Distortion = parameter(
         NO_DISTORTION, 'k1, k2, p1, p2, k3 of the lens, as in sensor_msgs/CameraInfo ("plumb_bob").'
     )
+    vignetting: float = number(
+        0.0, "Share of the light that the corners of the picture lack.", 0.0, 0.9
+    )
     detail: float = number(
         1.0,
         "Pixels that are drawn for one of the picture, along each axis; fewer take less time.",

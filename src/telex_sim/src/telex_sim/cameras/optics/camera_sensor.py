@@ -13,6 +13,7 @@ from .flaws import SOUND, FlawedGlass, Flaws
 from .lens import LensCamera, LensMap
 from .noise import SensorNoise
 from .pinhole import PinholeCamera
+from .vignetting import Vignette
 
 
 class CameraSensor:
@@ -48,6 +49,9 @@ class CameraSensor:
         self.camera: LensCamera = config.optics(zoom)
         self._control = control
         self._lens = LensMap(self.camera, config.detail)
+        self._vignette: Optional[Vignette] = None
+        if config.vignetting:
+            self._vignette = Vignette(config.width, config.height, config.vignetting)
         self._noise = SensorNoise(config.width, config.height, seed)
         self._glass = FlawedGlass(config.width, config.height, seed)
         # By the lens, while the renderer repeats its picture.
@@ -120,6 +124,8 @@ class CameraSensor:
             self._bent = None
         if self._bent is None:
             bent = self._lens.bend(picture)
+            if self._vignette is not None:
+                self._vignette.darken(bent)
             if not repeated or bent is picture:
                 return bent
             self._bent = bent
