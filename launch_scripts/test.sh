@@ -82,11 +82,15 @@ page_checks() {
   "$javascript/node_modules/.bin/tsc" --project "$javascript" &&
     env -C "$javascript" node --test --test-reporter=spec
 }
+type_checks() {
+  # What makes the docs' pictures is run too seldom to show when the product has left it behind.
+  mypy && mypy --scripts-are-modules "$root"/docs/make_*
+}
 # They go on beside pytest, which tells how they went before its closing line: that comes last.
 begin lint "ruff (lint)" ruff check
 begin format "ruff (format)" ruff format --check --quiet
 begin page "tsc and node --test (the page's JavaScript)" page_checks
-begin mypy "mypy" mypy
+begin mypy "mypy" type_checks
 export TELEX_CHECKS_BESIDE="$folder"
 if [ -n "$fast" ]; then
   pytest_arguments=(-m "not (ros or browser or real_time or slow)" --durations=5 "${pytest_arguments[@]}")
