@@ -74,7 +74,7 @@ def _turn(a: Point, b: Point, c: Point) -> float:
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
-class Drawing:
+class Schematic:
     """An SVG picture in the making."""
 
     def __init__(self) -> None:
@@ -210,7 +210,7 @@ def _typeset(text: str) -> str:
 
 def draw(chain: Chain, parameters: DHChain) -> str:
     """Return the picture of a chain with the robot's seven arm joints."""
-    drawing = Drawing()
+    drawing = Schematic()
     zero = [0.0] * len(chain.joints)
     frames = parameters.frames(zero)
     origins = [frame[:3, 3] for frame in frames]
@@ -223,7 +223,7 @@ def draw(chain: Chain, parameters: DHChain) -> str:
     return drawing.svg()
 
 
-def _links(drawing: Drawing, places: Dict[str, np.ndarray], origins: List[np.ndarray]) -> None:
+def _links(drawing: Schematic, places: Dict[str, np.ndarray], origins: List[np.ndarray]) -> None:
     """Draw the skeleton: hull, column, arm, forearm, gripper."""
     turret = origins[0]
     ground = project((turret[0], 0.0, 0.0))
@@ -243,7 +243,7 @@ def _links(drawing: Drawing, places: Dict[str, np.ndarray], origins: List[np.nda
         drawing.line(palm, _moved(palm, 62.0, 0.0), width=4.0)
 
 
-def _joints(drawing: Drawing, places: Dict[str, np.ndarray]) -> None:
+def _joints(drawing: Schematic, places: Dict[str, np.ndarray]) -> None:
     """Draw the signs of the joints, and their names."""
     x, y, z = np.eye(3)
     at = {link: pose[:3, 3] for link, pose in places.items()}
@@ -264,7 +264,7 @@ def _joints(drawing: Drawing, places: Dict[str, np.ndarray]) -> None:
         drawing.text(_moved(project(place), *shift), f"*q*_{index} {name}", "joint", anchor)
 
 
-def _frames(drawing: Drawing, frames: List[np.ndarray]) -> None:
+def _frames(drawing: Schematic, frames: List[np.ndarray]) -> None:
     """Draw x and z of the base link's frame and of frames 0 to 7; 5 and 6 share their place."""
     labels = {
         "B": (np.eye(4), (8, 24), (-20, 8)),
@@ -293,7 +293,7 @@ def _frames(drawing: Drawing, frames: List[np.ndarray]) -> None:
         drawing.dot(place)
 
 
-def _dimensions(drawing: Drawing, parameters: DHChain, origins: List[np.ndarray]) -> None:
+def _dimensions(drawing: Schematic, parameters: DHChain, origins: List[np.ndarray]) -> None:
     """Draw the lengths that are not 0."""
     at = [project(origin) for origin in origins]
     rows = parameters.rows
@@ -311,7 +311,7 @@ def _dimensions(drawing: Drawing, parameters: DHChain, origins: List[np.ndarray]
     drawing.dimension(at[6], at[7], (0, top - at[6][1]), f"*d*_7 = {rows[6].d:.3f}")
 
 
-def _table(drawing: Drawing, parameters: DHChain) -> None:
+def _table(drawing: Schematic, parameters: DHChain) -> None:
     """Write the parameters."""
     columns = (660.0, 770.0, 890.0, 1040.0, 1200.0)
     heads = ("*i*", "*\u03b1*_{i\u22121}", "*a*_{i\u22121}", "*d*_i", "*\u03b8*_i")

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from telex_control.follow_trajectory.analysis import Figures
+from telex_control.follow_trajectory.analysis import TrackingFigures
 from telex_experiments.paper.experiments.lockstep import Led, bars, follow, hogs
 from telex_experiments.paper.experiments.trajectory import LARGEST, RMS, ToolPath
 
@@ -14,7 +14,7 @@ pytestmark = pytest.mark.slow
 
 PIECE = ToolPath("circle", "A piece", ("--circle", "--here", "--radius", "0.05", "--turns", "0.2"))
 NONE = (0.0, 0.0, 0.0)
-GOOD = Led(Figures(5e-4, 2e-3, NONE, NONE, 0.0, 1.0, 20.0), "a")
+GOOD = Led(TrackingFigures(5e-4, 2e-3, NONE, NONE, 0.0, 1.0, 20.0), "a")
 
 
 def test_runs_are_equal_beside_what_keeps_all_processors_busy(tmp_path):

@@ -12,7 +12,7 @@ import pytest
 from telex_msgs.msg import Proximity, ProximityPair, SimStatus
 
 from telex_control.follow_trajectory import FollowTrajectoryError, command_line, report, table
-from telex_control.follow_trajectory.analysis import PathRecording, Result, analyse, overdue
+from telex_control.follow_trajectory.analysis import PathRecording, TrackingResult, analyse, overdue
 from telex_control.follow_trajectory.command_line import parse, tool_path
 from telex_control.follow_trajectory.follower import approach, follow
 from telex_control.follow_trajectory.paths import (
@@ -284,7 +284,7 @@ def result():
     desired = np.stack([0.05 * times, 0.0 * times, 0.3 + 0.0 * times], axis=-1)
     measured = desired + np.array([-0.001, 0.0, 0.002])
     measured[100] += (0.0, 0.004, 0.0)
-    return Result("straight on", times, desired, measured)
+    return TrackingResult("straight on", times, desired, measured)
 
 
 def test_figures_are_those_of_the_distance_at_each_time():

@@ -15,7 +15,7 @@ import yaml
 
 from telex_control.common.params import ConfigError
 from telex_control.step_response import command_line, report, table
-from telex_control.step_response.analysis import RecordingError, StepRecording, analyse
+from telex_control.step_response.analysis import StepRecording, StepRecordingError, analyse
 from telex_control.step_response.plan import CURRENT, Plan
 from telex_control.step_response.runner import Runner, StepError, fitted_step
 from telex_control.urdf.joints import UrdfJoint
@@ -117,7 +117,7 @@ def test_oscillation_is_told_from_slow_settling():
     ],
 )
 def test_a_recording_that_says_nothing_is_refused(times, positions, target, named):
-    with pytest.raises(RecordingError, match=named):
+    with pytest.raises(StepRecordingError, match=named):
         StepRecording(np.array(times), np.array(positions), np.zeros(len(times)), 0.0, target)
 
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from telex_control.trajectory.path import JointPath, Track
-from telex_control.trajectory.spline import Segment, State
+from telex_control.trajectory.spline import SplineSegment, State
 from telex_control.trajectory.tolerances import (
     StateTolerance,
     Tolerances,
@@ -24,7 +24,7 @@ numbers = st.floats(-10.0, 10.0)
 
 @given(numbers, numbers, st.floats(0.01, 20.0), st.floats(0.0, 1.0))
 def test_positions_alone_give_a_straight_line(start, end, duration, share):
-    segment = Segment(3.0, State(start), 3.0 + duration, State(end))
+    segment = SplineSegment(3.0, State(start), 3.0 + duration, State(end))
     position, velocity, acceleration = segment.sample(3.0 + share * duration)
     assert position == pytest.approx(start + share * (end - start), abs=1e-6)
     assert velocity == pytest.approx((end - start) / duration, abs=1e-6)
@@ -33,7 +33,7 @@ def test_positions_alone_give_a_straight_line(start, end, duration, share):
 
 @given(numbers, numbers, numbers, numbers, st.floats(0.1, 20.0))
 def test_velocities_give_a_cubic_that_meets_both_ends(p0, v0, p1, v1, duration):
-    segment = Segment(1.0, State(p0, v0), 1.0 + duration, State(p1, v1))
+    segment = SplineSegment(1.0, State(p0, v0), 1.0 + duration, State(p1, v1))
     assert segment.sample(1.0)[:2] == pytest.approx((p0, v0), abs=1e-5)
     assert segment.sample(1.0 + duration)[:2] == pytest.approx((p1, v1), abs=1e-5)
     # a cubic: its acceleration is linear in time
@@ -43,7 +43,7 @@ def test_velocities_give_a_cubic_that_meets_both_ends(p0, v0, p1, v1, duration):
 
 @given(numbers, numbers, numbers, numbers, numbers, numbers, st.floats(0.1, 20.0))
 def test_accelerations_give_a_quintic_that_meets_both_ends(p0, v0, a0, p1, v1, a1, duration):
-    segment = Segment(0.0, State(p0, v0, a0), duration, State(p1, v1, a1))
+    segment = SplineSegment(0.0, State(p0, v0, a0), duration, State(p1, v1, a1))
     assert segment.sample(0.0) == pytest.approx((p0, v0, a0), abs=1e-5)
     assert segment.sample(duration) == pytest.approx((p1, v1, a1), abs=1e-3)
 
@@ -57,7 +57,7 @@ def test_accelerations_give_a_quintic_that_meets_both_ends(p0, v0, a0, p1, v1, a
     ],
 )
 def test_velocity_and_acceleration_are_the_derivatives_of_the_position(start, end):
-    segment = Segment(0.0, start, 2.0, end)
+    segment = SplineSegment(0.0, start, 2.0, end)
     step = 1e-5
     for time in (0.3, 1.0, 1.7):
         before, now, after = (segment.sample(time + k * step) for k in (-1, 0, 1))
@@ -66,19 +66,21 @@ def test_velocity_and_acceleration_are_the_derivatives_of_the_position(start, en
 
 
 def test_what_only_one_end_knows_is_not_used():
-    assert Segment(0.0, State(0.0, 5.0), 1.0, State(1.0)).sample(0.0) == (0.0, 1.0, 0.0)
-    cubic = Segment(0.0, State(0.0, 5.0, 7.0), 1.0, State(1.0, 0.0))
-    assert cubic.sample(0.0) == Segment(0.0, State(0.0, 5.0), 1.0, State(1.0, 0.0)).sample(0.0)
+    assert SplineSegment(0.0, State(0.0, 5.0), 1.0, State(1.0)).sample(0.0) == (0.0, 1.0, 0.0)
+    cubic = SplineSegment(0.0, State(0.0, 5.0, 7.0), 1.0, State(1.0, 0.0))
+    assert cubic.sample(0.0) == SplineSegment(0.0, State(0.0, 5.0), 1.0, State(1.0, 0.0)).sample(
+        0.0
+    )
 
 
 def test_outside_of_its_time_a_segment_rests_at_its_ends():
-    segment = Segment(1.0, State(1.0, 2.0, 3.0), 2.0, State(4.0, 5.0, 6.0))
+    segment = SplineSegment(1.0, State(1.0, 2.0, 3.0), 2.0, State(4.0, 5.0, 6.0))
     assert segment.sample(0.999) == (1.0, 0.0, 0.0)
     assert segment.sample(2.001) == (4.0, 0.0, 0.0)
 
 
 def test_a_segment_without_duration_is_at_its_end():
-    segment = Segment(1.0, State(0.0), 1.0, State(3.0, 1.0, 2.0))
+    segment = SplineSegment(1.0, State(0.0), 1.0, State(3.0, 1.0, 2.0))
     assert segment.sample(1.0) == (3.0, 1.0, 2.0)
     assert segment.sample(1.5) == (3.0, 0.0, 0.0)
     assert segment.sample(0.5) == (0.0, 0.0, 0.0)
@@ -86,7 +88,7 @@ def test_a_segment_without_duration_is_at_its_end():
 
 def test_a_segment_cannot_end_before_it_starts():
     with pytest.raises(ValueError, match="ends before it starts"):
-        Segment(1.0, State(0.0), 0.9, State(1.0))
+        SplineSegment(1.0, State(0.0), 0.9, State(1.0))
 
 
 # --- paths -----------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ from waiting import wait_until_async
 from telex_teleop.web.bridge.clients.outbox import Outbox, OutboxFullError
 from telex_teleop.web.bridge.protocol.compression import TopicMessage
 from telex_teleop.web.bridge.protocol.ros_messages import codec_of
-from telex_teleop.web.bridge.topics.subscribe import Subscription, Wish
+from telex_teleop.web.bridge.topics.subscribe import ClientSubscription, Wish
 
 
 def run(coroutine):
@@ -131,7 +131,7 @@ def number(value):
 def test_throttle_lets_the_newest_through_when_it_is_due():
     async def check():
         sent = Sent()
-        subscription = Subscription("/x", None, "/x", subscribers=None, send=sent)
+        subscription = ClientSubscription("/x", None, "/x", subscribers=None, send=sent)
         subscription.add("one", Wish(throttle=0.05, depth=4, compression="none"), limit=10)
         for value in range(5):
             subscription.deliver(number(value))
@@ -153,7 +153,7 @@ def test_throttle_lets_the_newest_through_when_it_is_due():
 def test_the_most_demanding_wish_holds_until_it_is_withdrawn():
     async def check():
         sent = Sent()
-        subscription = Subscription("/x", None, "/x", subscribers=None, send=sent)
+        subscription = ClientSubscription("/x", None, "/x", subscribers=None, send=sent)
         subscription.add("slow", Wish(throttle=60.0, depth=9, compression="none"), limit=10)
         subscription.add("fast", Wish(throttle=0.0, depth=3, compression="none"), limit=10)
         for value in range(3):

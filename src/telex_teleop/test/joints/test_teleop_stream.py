@@ -2,7 +2,7 @@
 
 import pytest
 
-from telex_teleop.motion.stream import Clocks, CommandStream, SimTicks, StartingTime, Tick
+from telex_teleop.motion.stream import Clocks, CommandStream, SimTicks, StartingTime, TimeStep
 
 TIMEOUT = 0.28
 
@@ -161,7 +161,7 @@ def test_ticks_are_differences_of_stamps():
     ticks = SimTicks(0.5)
     assert ticks.now is None
     assert ticks.advance(5.0) is None
-    assert ticks.advance(5.25) == Tick(0.25, False)
+    assert ticks.advance(5.25) == TimeStep(0.25, False)
     assert ticks.advance(5.25) is None
     assert ticks.now == 5.25
 
@@ -170,7 +170,7 @@ def test_ticks_are_differences_of_stamps():
 def test_ticks_backwards_or_too_long_are_jumps(stamp):
     ticks = SimTicks(0.5)
     ticks.advance(5.0)
-    assert ticks.advance(stamp) == Tick(0.0, True)
+    assert ticks.advance(stamp) == TimeStep(0.0, True)
     following = ticks.advance(stamp + 0.125)
     assert following is not None
     assert not following.jumped

@@ -69,7 +69,7 @@ def overdue(
 
 
 @dataclass(frozen=True)
-class Result:
+class TrackingResult:
     """Desired and measured way of the tool, in the base link's frame.
 
     Attributes
@@ -96,11 +96,11 @@ class Result:
         return self.measured - self.desired
 
     @property
-    def figures(self) -> Figures:
+    def figures(self) -> TrackingFigures:
         """Figures of the errors."""
         error = self.error
         distance = np.linalg.norm(error, axis=1)
-        return Figures(
+        return TrackingFigures(
             rms=float(np.sqrt(np.mean(distance**2))),
             largest=float(distance.max()),
             rms_by_axis=_three(np.sqrt(np.mean(error**2, axis=0))),
@@ -120,7 +120,7 @@ class Result:
 
 
 @dataclass(frozen=True)
-class Figures:
+class TrackingFigures:
     """Figures of a followed path.
 
     Attributes
@@ -155,7 +155,7 @@ def _three(values: np.ndarray) -> Tuple[float, float, float]:
     return (x, y, z)
 
 
-def analyse(name: str, motion: PlannedPath, recording: PathRecording) -> Result:
+def analyse(name: str, motion: PlannedPath, recording: PathRecording) -> TrackingResult:
     """Find where the tool was, by forward kinematics of the measured joint positions.
 
     Raises
@@ -172,4 +172,4 @@ def analyse(name: str, motion: PlannedPath, recording: PathRecording) -> Result:
             f"last at {last:.1f} s; more are needed"
         )
     measured = np.array([motion.chain.forward(q)[:3, 3] for q in recording.positions[inside]])
-    return Result(name, times, motion.tool(times), measured, recording.overdue)
+    return TrackingResult(name, times, motion.tool(times), measured, recording.overdue)

@@ -22,7 +22,7 @@ from ..step_response.ros_session import find_namespace
 from ..step_response.runner import StepError
 from ..urdf.joints import UrdfError
 from . import FollowTrajectoryError, report, table
-from .analysis import Result, analyse
+from .analysis import TrackingResult, analyse
 from .follower import PathRig, approach, follow
 from .paths import PLANES, SHAPES, Shape, from_csv
 from .paths import Path as ToolPath
@@ -139,7 +139,7 @@ def tool_path(options: argparse.Namespace, tool: np.ndarray) -> ToolPath:
     return path.moved(tool - path.points[0]) if options.here else path
 
 
-def measure(options: argparse.Namespace) -> Result:
+def measure(options: argparse.Namespace) -> TrackingResult:
     """Carry it out on the running simulator; see `lead`.
 
     Raises
@@ -159,7 +159,7 @@ def measure(options: argparse.Namespace) -> Result:
     return lead(options, chain, TrajectoryRig(namespace, chain.joint_names, options.rate, watch))
 
 
-def lead(options: argparse.Namespace, chain: Chain, rig: PathRig) -> Result:
+def lead(options: argparse.Namespace, chain: Chain, rig: PathRig) -> TrackingResult:
     """Plan, lead the arm along the path and back, and write what it did.
 
     Parameters

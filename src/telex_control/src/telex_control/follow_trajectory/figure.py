@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 # Named "3d" by its import.
 from mpl_toolkits.mplot3d import Axes3D
 
-from .analysis import AXES, Result
+from .analysis import AXES, TrackingResult
 
 DESIRED, MEASURED = "#1f6fb4", "#c8372d"
 COLOURS = ("#1f6fb4", "#d9822b", "#3a8f5c")
@@ -16,7 +16,7 @@ _SHOWN_POINTS = 3000
 """Points of a curve that are drawn; more cannot be seen."""
 
 
-def draw(result: Result) -> Figure:
+def draw(result: TrackingResult) -> Figure:
     """Draw a result: path and desired path, and below the error in x, y and z over time."""
     step = max(1, len(result.times) // _SHOWN_POINTS)
     figures = result.figures
@@ -50,7 +50,7 @@ def draw(result: Result) -> Figure:
     return figure
 
 
-def _draw_way(space: Axes3D, result: Result, step: int) -> None:
+def _draw_way(space: Axes3D, result: TrackingResult, step: int) -> None:
     desired, measured = result.desired[::step], result.measured[::step]
     space.plot(*desired.T, color=DESIRED, linewidth=2.2, alpha=0.75, label="desired")
     space.plot(*measured.T, color=MEASURED, linewidth=0.9, label="followed")

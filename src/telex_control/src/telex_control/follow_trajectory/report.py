@@ -8,10 +8,10 @@ from typing import List
 
 from ..common.figure_files import save
 from . import figure, table
-from .analysis import Result
+from .analysis import TrackingResult
 
 
-def write(folder: Path, result: Result) -> List[Path]:
+def write(folder: Path, result: TrackingResult) -> List[Path]:
     """Write ``<path>.png``, ``.svg``, ``.csv`` (the ways), ``.json`` and ``.md`` (the figures).
 
     Raises

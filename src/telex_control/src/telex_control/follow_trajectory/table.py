@@ -8,10 +8,10 @@ import json
 from dataclasses import asdict
 from typing import Any, Dict, List, Sequence
 
-from .analysis import AXES, Result
+from .analysis import AXES, TrackingResult
 
 
-def text(results: Sequence[Result]) -> str:
+def text(results: Sequence[TrackingResult]) -> str:
     """Return a Markdown table; errors in mm."""
     lines = [
         "| path | length m | time s | error mm | x | y | z | distance | behind ms |",
@@ -34,17 +34,17 @@ def text(results: Sequence[Result]) -> str:
     return "\n".join(lines)
 
 
-def records(results: Sequence[Result]) -> List[Dict[str, Any]]:
+def records(results: Sequence[TrackingResult]) -> List[Dict[str, Any]]:
     """Return the figures as plain values in SI units."""
     return [{"path": result.name, **asdict(result.figures)} for result in results]
 
 
-def as_json(results: Sequence[Result]) -> str:
+def as_json(results: Sequence[TrackingResult]) -> str:
     """Return a JSON list of the figures, in SI units."""
     return json.dumps(records(results), indent=2, allow_nan=False)
 
 
-def as_csv(result: Result) -> str:
+def as_csv(result: TrackingResult) -> str:
     """Return the desired and the measured way, comma-separated with a head (s, m)."""
     file = io.StringIO()
     writer = csv.writer(file, lineterminator="\n")

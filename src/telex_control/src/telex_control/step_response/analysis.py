@@ -15,7 +15,7 @@ REST_TIME = 0.5
 """The end of a recording (s) over which the error is averaged and oscillation is looked for."""
 
 
-class RecordingError(ValueError):
+class StepRecordingError(ValueError):
     """A recording has no step, or too little of it; the message says what is missing."""
 
 
@@ -44,15 +44,15 @@ class StepRecording:
     def __post_init__(self) -> None:
         count = len(self.times)
         if len(self.positions) != count or len(self.efforts) != count:
-            raise RecordingError(
+            raise StepRecordingError(
                 f"{count} times, {len(self.positions)} positions and {len(self.efforts)} efforts; "
                 "they must be equally many"
             )
         if self.start == self.target:
-            raise RecordingError(f"the reference stays at {self.start}; there is no step")
+            raise StepRecordingError(f"the reference stays at {self.start}; there is no step")
         after = int(np.count_nonzero(self.times >= 0.0))
         if after < 2 or not self.times[-1] >= REST_TIME:
-            raise RecordingError(
+            raise StepRecordingError(
                 f"{after} samples up to {self.times[-1] if count else 0.0:.3f} s after the step; "
                 f"at least {REST_TIME} s are needed"
             )

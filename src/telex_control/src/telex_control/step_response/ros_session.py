@@ -16,7 +16,7 @@ from std_msgs.msg import Bool, Float64
 
 from ..manager.client import ControllerManagerClient
 from ..urdf.joints import UrdfError, UrdfJoint, joints, parse_urdf
-from .analysis import RecordingError, StepRecording
+from .analysis import StepRecording, StepRecordingError
 from .runner import StepError
 
 CONTROLLER_TYPE = "effort_controllers/JointPositionController"
@@ -170,7 +170,7 @@ class RosRig:
         times, positions, efforts = map(np.array, zip(*samples))
         try:
             return StepRecording(times - stepped, positions, efforts, start, target)
-        except RecordingError as error:
+        except StepRecordingError as error:
             raise StepError(f"{joint}: {error}") from error
 
     @contextlib.contextmanager

@@ -6,7 +6,7 @@ import bisect
 import math
 from typing import List, NamedTuple, Optional, Sequence, Union
 
-from .spline import Sample, Segment, State
+from .spline import Sample, SplineSegment, State
 
 
 class Track(NamedTuple):
@@ -31,7 +31,7 @@ class _PlacedTrack:
         self._origin = origin
         self._turns = turns
         self._cursor = first
-        self._segment: Optional[Segment] = None
+        self._segment: Optional[SplineSegment] = None
         self.end_time = origin + track.times[-1]
 
     def shifted(self, by: float) -> _PlacedTrack:
@@ -60,15 +60,15 @@ class _PlacedTrack:
         index = bisect.bisect_right(times, time) - 1
         return self._turned(self._make(min(index, len(times) - 2)).sample(time))
 
-    def _make(self, index: int) -> Segment:
+    def _make(self, index: int) -> SplineSegment:
         times, states = self._track
-        return Segment(times[index], states[index], times[index + 1], states[index + 1])
+        return SplineSegment(times[index], states[index], times[index + 1], states[index + 1])
 
     def _turned(self, sample: Sample) -> Sample:
         return (sample[0] + self._turns, sample[1], sample[2]) if self._turns else sample
 
 
-_Piece = Union[Segment, _PlacedTrack]
+_Piece = Union[SplineSegment, _PlacedTrack]
 
 
 class JointPath:
@@ -88,7 +88,7 @@ class JointPath:
     def hold(cls, time: float, position: float) -> JointPath:
         """Return the path that stays at `position` from `time` on."""
         state = State(position, 0.0, 0.0)
-        return cls([Segment(time, state, time, state)])
+        return cls([SplineSegment(time, state, time, state)])
 
     @classmethod
     def stop(
@@ -111,7 +111,7 @@ class JointPath:
         """
         rest = min(max(position + 0.5 * velocity * duration, lower), upper)
         start, end = State(position, velocity), State(rest, 0.0)
-        return cls([Segment(time, start, time + duration, end)])
+        return cls([SplineSegment(time, start, time + duration, end)])
 
     @property
     def end_time(self) -> float:
@@ -161,7 +161,7 @@ class JointPath:
             target = target._replace(position=target.position + turns)
         # What lies before the cursor is over.
         pieces = self._pieces[self._cursor : bisect.bisect_left(self._starts, time)]
-        pieces.append(Segment(time, start, origin + track.times[first], target))
+        pieces.append(SplineSegment(time, start, origin + track.times[first], target))
         if first + 1 < len(track.times):
             pieces.append(_PlacedTrack(track, first, origin, turns))
         return JointPath(pieces)

@@ -16,7 +16,7 @@ class State(NamedTuple):
     acceleration: Optional[float] = None
 
 
-class Segment:
+class SplineSegment:
     """The way from one state to another.
 
     Linear when only positions are known of both, cubic with velocities, quintic with accelerations
@@ -39,10 +39,10 @@ class Segment:
         self.end = end
         self._coefficients = _coefficients(end_time - start_time, start, end)
 
-    def shifted(self, by: float) -> Segment:
+    def shifted(self, by: float) -> SplineSegment:
         """Return the same way, later by so much (s)."""
         start = self.start_time + by
-        return Segment(start, self.start, start + (self.end_time - self.start_time), self.end)
+        return SplineSegment(start, self.start, start + (self.end_time - self.start_time), self.end)
 
     def sample(self, time: float) -> Sample:
         """Return the state at `time` (s); at rest before the start and after the end."""

@@ -161,7 +161,7 @@ class StartingTime:
 
 
 @dataclass(frozen=True)
-class Tick:
+class TimeStep:
     """One step of sim time: its length (s), or a jump over which nothing can be continued."""
 
     dt: float
@@ -187,11 +187,11 @@ class SimTicks:
         """Stamp of the newest joint state (s), None before the first."""
         return self._last
 
-    def advance(self, stamp: float) -> Optional[Tick]:
+    def advance(self, stamp: float) -> Optional[TimeStep]:
         """Return the step to a new stamp (s); None for the first stamp and for a repeated one."""
         last, self._last = self._last, stamp
         if last is None or stamp == last:
             return None
         dt = stamp - last
         jumped = dt < 0.0 or dt > self._longest
-        return Tick(0.0 if jumped else dt, jumped)
+        return TimeStep(0.0 if jumped else dt, jumped)

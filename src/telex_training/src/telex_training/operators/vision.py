@@ -16,7 +16,7 @@ _ROUNDS = 3
 
 
 @dataclass(frozen=True)
-class Color:
+class VividColor:
     """A vivid colour, by which a thing is told from all around it.
 
     Attributes
@@ -107,7 +107,7 @@ class Ray:
         return self.origin + steps * self.direction
 
 
-def find(image: np.ndarray, color: Color, least: float = 40.0) -> Optional[Blob]:
+def find(image: np.ndarray, color: VividColor, least: float = 40.0) -> Optional[Blob]:
     """Find the largest thing of a colour.
 
     Parameters

@@ -15,7 +15,7 @@ from typing import Any, Dict, Iterator, List, Sequence, Set
 from sensor_msgs.msg import JointState
 
 from telex_control.common.child_processes import KILLED_WITH_US
-from telex_control.follow_trajectory.analysis import Figures
+from telex_control.follow_trajectory.analysis import TrackingFigures
 from telex_control.follow_trajectory.command_line import lead, parse
 from telex_control.kinematics import Chain
 from telex_sim.offline.arm import OfflineArm
@@ -41,7 +41,7 @@ class Led:
         SHA-256 of all joint states from the reset to the end, as messages.
     """
 
-    figures: Figures
+    figures: TrackingFigures
     digest: str
 
 

@@ -11,7 +11,7 @@ from typing import List, Sequence, Tuple
 import rospy
 from telex_msgs.msg import SimStatus
 
-from telex_control.follow_trajectory.analysis import Figures
+from telex_control.follow_trajectory.analysis import TrackingFigures
 
 from ..experiment import Cell, Experiment, Figure, ReportPicture, ReportTable, Result
 from ..recorder import ARM_COMMANDS
@@ -97,7 +97,7 @@ def follow(
         )
     (found,) = json.loads((session.folder / f"{way.name}.json").read_text(encoding="utf-8"))
     del found["path"]
-    reached = Figures(**found)
+    reached = TrackingFigures(**found)
     figures = [
         Figure(f"{way.title}: rms error", 1e3 * reached.rms, "mm"),
         Figure(f"{way.title}: largest error", 1e3 * reached.largest, "mm", at_most=LARGEST),
@@ -111,7 +111,7 @@ def follow(
     return figures, [*row, *overdue, late.most]
 
 
-def error_cells(figures: Figures) -> List[Cell]:
+def error_cells(figures: TrackingFigures) -> List[Cell]:
     """Return rms and largest error, then both by axis (mm)."""
     by_axis = (*figures.rms_by_axis, *figures.largest_by_axis)
     return [1e3 * value for value in (figures.rms, figures.largest, *by_axis)]

@@ -13,7 +13,7 @@ from telex_training.operators.handling import Hand
 from telex_training.operators.port import NotManagedError
 from telex_training.operators.station import Station
 from telex_training.operators.tasks.course import SECTIONS, WORLD, Section
-from telex_training.operators.tasks.task import Task, Verdict
+from telex_training.operators.tasks.task import OperatorTask, Verdict
 from telex_training.ros.live_robot import LiveRobot
 
 from ...workspace import SCENES
@@ -54,7 +54,7 @@ class TaskRuns:
     def __init__(
         self,
         session: PaperSession,
-        make: Callable[[], Task],
+        make: Callable[[], OperatorTask],
         cameras: Sequence[str],
         real_time_factor: float,
         looks: bool = False,
@@ -149,7 +149,7 @@ class TaskRuns:
         self,
         number: int,
         things: Dict[str, Dict[str, Any]],
-        task: Task,
+        task: OperatorTask,
         verdict: Verdict,
         taken: float,
         said: str,

@@ -39,7 +39,7 @@ _FARTHEST = 0.05
 
 
 @dataclass(frozen=True)
-class Shape:
+class SegmentShape:
     """One collision shape of a segment.
 
     Attributes
@@ -93,7 +93,7 @@ class Segment:
     parent: int
     pose: Pose
     joint: Optional[Joint]
-    shapes: Tuple[Shape, ...]
+    shapes: Tuple[SegmentShape, ...]
     mass: float
     center: Vector3
     moments: Vector3
@@ -271,13 +271,13 @@ def _plan_bodies(
     return [BodyPlan(tuple(segments), static, _inertias(segments, static))]
 
 
-_Share = Tuple[Tuple[Shape, ...], Optional[MassProperties]]
+_Share = Tuple[Tuple[SegmentShape, ...], Optional[MassProperties]]
 
 
 def _shares(link: Link, static: bool, assets: Assets) -> List[_Share]:
     """The solid parts of a link in portions that PyBullet takes, each with its share of mass."""
-    primitives: List[Tuple[Shape, Optional[MassProperties]]] = []
-    portions: List[List[Tuple[Shape, Optional[MassProperties]]]] = []
+    primitives: List[Tuple[SegmentShape, Optional[MassProperties]]] = []
+    portions: List[List[Tuple[SegmentShape, Optional[MassProperties]]]] = []
     for part in link.parts:
         if not part.solid:
             continue
@@ -332,17 +332,19 @@ def _tiles(vertices: np.ndarray, triangles: np.ndarray) -> List[np.ndarray]:
     ]
 
 
-def _shape(part: Part, static: bool, assets: Assets) -> Tuple[Shape, Optional[MassProperties]]:
+def _shape(
+    part: Part, static: bool, assets: Assets
+) -> Tuple[SegmentShape, Optional[MassProperties]]:
     geometry, pose = part.geometry, (part.position, part.orientation)
     if geometry.form is Form.MESH and static:
         vertices, triangles = assets.surface(geometry.mesh, geometry.size)
         digest = _digest(vertices, triangles)
-        return Shape(geometry.form, geometry.size, pose, vertices, triangles, digest), None
+        return SegmentShape(geometry.form, geometry.size, pose, vertices, triangles, digest), None
     if geometry.form is Form.MESH:
         hull = assets.hull(geometry.mesh, geometry.size)
         vertices = np.unique(hull.reshape(-1, 3), axis=0)
         solid = mass_properties.closed_surface(hull)
-        shape = Shape(geometry.form, geometry.size, pose, vertices, None, _digest(vertices))
+        shape = SegmentShape(geometry.form, geometry.size, pose, vertices, None, _digest(vertices))
         return shape, solid.placed(pose)
     if geometry.form is Form.BOX:
         solid = mass_properties.box(geometry.size)
@@ -350,7 +352,7 @@ def _shape(part: Part, static: bool, assets: Assets) -> Tuple[Shape, Optional[Ma
         solid = mass_properties.sphere(geometry.size[0])
     else:
         solid = mass_properties.cylinder(geometry.size[0], geometry.size[2])
-    return Shape(geometry.form, geometry.size, pose), solid.placed(pose)
+    return SegmentShape(geometry.form, geometry.size, pose), solid.placed(pose)
 
 
 def _digest(*arrays: np.ndarray) -> bytes:

@@ -9,7 +9,7 @@ import pybullet
 from telex_control.common.geometry.quaternions import Pose, compose
 
 from ..model import Form, Motion
-from .assembly import BodyPlan, Segment, Shape
+from .assembly import BodyPlan, Segment, SegmentShape
 
 _SLEEP_THRESHOLD = 1e-5
 """Sum of the squared speeds (m2/s2, rad2/s2) below which a body falls asleep after 2 s. PyBullet's
@@ -32,7 +32,7 @@ class MeshLists:
     def __init__(self) -> None:
         self._lists: Dict[Hashable, Tuple[List[Tuple[float, ...]], List[int]]] = {}
 
-    def of(self, shape: Shape, key: Hashable) -> Tuple[List[Tuple[float, ...]], List[int]]:
+    def of(self, shape: SegmentShape, key: Hashable) -> Tuple[List[Tuple[float, ...]], List[int]]:
         """Return vertices and indices, the same objects whenever they are asked for."""
         if key not in self._lists:
             assert shape.vertices is not None
@@ -97,7 +97,7 @@ class BodyMaker:
                 pybullet.resetJointState(uid, index, link.joint.start, physicsClientId=self._client)
         return uid
 
-    def _shape(self, shapes: Sequence[Shape]) -> int:
+    def _shape(self, shapes: Sequence[SegmentShape]) -> int:
         """PyBullet's shape for all shapes of a segment; -1 for none."""
         if not shapes:
             return -1
@@ -106,7 +106,7 @@ class BodyMaker:
             self._shapes[key] = self._create_shape(shapes, key)
         return self._shapes[key]
 
-    def _create_shape(self, shapes: Sequence[Shape], key: Hashable) -> int:
+    def _create_shape(self, shapes: Sequence[SegmentShape], key: Hashable) -> int:
         client = self._client
         first = shapes[0]
         if first.vertices is not None:

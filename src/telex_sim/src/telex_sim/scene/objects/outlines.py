@@ -12,7 +12,7 @@ from telex_control.common.geometry.matrices import rotation_matrix
 from telex_control.common.geometry.quaternions import Pose, compose, invert
 
 from ..model import WORLD_FRAME, Form
-from .assembly import Assembly, Shape, joint_pose
+from .assembly import Assembly, SegmentShape, joint_pose
 
 _ROUND = 16
 """Corners of what is round."""
@@ -95,7 +95,7 @@ def outline(assembly: Assembly) -> Outline:
     return Outline(frame, float(heights.min()), float(heights.max()), polygons)
 
 
-def _corners(shape: Shape) -> np.ndarray:
+def _corners(shape: SegmentShape) -> np.ndarray:
     """Corners of a shape in its own frame."""
     if shape.vertices is not None:
         return shape.vertices

@@ -13,7 +13,7 @@ Answer = Callable[[genpy.Message], genpy.Message]
 """Answers a call of a service in any thread; OperationError says why it cannot."""
 
 
-class Publisher(Protocol):
+class BridgePublisher(Protocol):
     """A publisher of one topic."""
 
     def publish(self, message: genpy.Message) -> None:
@@ -85,7 +85,7 @@ class Ros(Protocol):
 
     def advertise(
         self, topic: str, message_class: Type[genpy.Message], *, latch: bool, queue_size: int
-    ) -> Publisher:
+    ) -> BridgePublisher:
         """Begin to publish a topic."""
 
     def subscribe(

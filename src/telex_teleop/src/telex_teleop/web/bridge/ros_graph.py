@@ -18,7 +18,7 @@ import rosservice
 
 from ..ros_clock import RosClock
 from .protocol.operations import OperationError
-from .ros import Answer, Publisher, Receive
+from .ros import Answer, BridgePublisher, Receive
 
 _ONLY_NEWEST_COUNTS = (
     "sensor_msgs/Image",
@@ -163,7 +163,7 @@ class RosGraph:
 
     def advertise(
         self, topic: str, message_class: Type[genpy.Message], *, latch: bool, queue_size: int
-    ) -> Publisher:
+    ) -> BridgePublisher:
         """Begin to publish a topic."""
         try:
             publisher = rospy.Publisher(

@@ -12,7 +12,7 @@ from telex_control.common.geometry.matrices import inverse
 from .. import driving
 from ..handling import Hand, aimed
 from ..station import Station
-from .task import Task, Verdict, heading_of, placed
+from .task import OperatorTask, Verdict, heading_of, placed
 
 WAY = 3.0  # m, that it is carried
 HANDLE = 0.3925  # m, middle of the bar above the floor
@@ -28,7 +28,7 @@ _SPEED = 0.5  # m/s
 _SPARE = 0.1  # m, driven beyond the way: the robot stops a little early
 
 
-class Briefcase(Task):
+class Briefcase(OperatorTask):
     """Case of 5 kg, gripped by the bar of its handle from above and carried 3 m backwards."""
 
     measure = "carried (m)"
@@ -39,15 +39,15 @@ class Briefcase(Task):
         self._start = np.eye(4)
 
     def lay_out(self, rng: np.random.Generator) -> Dict[str, Dict[str, Any]]:
-        """Put the case before the robot; see `Task.lay_out`."""
+        """Put the case before the robot; see `OperatorTask.lay_out`."""
         return {"briefcase": {"type": "briefcase", **placed(rng, _AHEAD, _SCATTER)}}
 
     def begin(self, station: Station) -> None:
-        """See `Task.begin`."""
+        """See `OperatorTask.begin`."""
         self._start = station.object_pose("briefcase")
 
     def act(self, hand: Hand) -> None:
-        """Carry it; see `Task.act`."""
+        """Carry it; see `OperatorTask.act`."""
         take(hand)
         station = hand.station
         base, way = station.pose, WAY + _SPARE
@@ -57,7 +57,7 @@ class Briefcase(Task):
         station.wait(1.0)
 
     def judge(self, station: Station) -> Verdict:
-        """See `Task.judge`: at least 3 m away, upright and off the floor."""
+        """See `OperatorTask.judge`: at least 3 m away, upright and off the floor."""
         pose = station.object_pose("briefcase")
         way = float(np.linalg.norm(pose[:2, 3] - self._start[:2, 3]))
         lift = float(pose[2, 3])

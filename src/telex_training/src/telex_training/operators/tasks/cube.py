@@ -16,15 +16,15 @@ from ..eye import Eye
 from ..handling import Hand, aimed
 from ..port import NotManagedError
 from ..station import Station
-from ..vision import Blob, Color, SeenPicture, cube_place, find, project, ray
-from .task import Task, Verdict
+from ..vision import Blob, SeenPicture, VividColor, cube_place, find, project, ray
+from .task import OperatorTask, Verdict
 
 # What the operator has been told: two boxes on a low table, and a green cube in the red one.
 EDGE = 0.05  # m, of the cube
 TABLE = 0.25  # m
 BOX = (0.32, 0.24, 0.10)  # m
 WALL = 0.008  # m
-RED, GREEN, BLUE = Color("red", 2.0), Color("green", 122.0), Color("blue", 230.0)
+RED, GREEN, BLUE = VividColor("red", 2.0), VividColor("green", 122.0), VividColor("blue", 230.0)
 
 _AXLE = 0.11  # m, of base_link over the floor
 _BOX_MIDDLE = TABLE + 0.5 * BOX[2] - _AXLE  # m, over base_link
@@ -46,7 +46,7 @@ _IN_GRIP = 45.0  # pixels
 _TRIES = 2
 
 
-class CubeToBox(Task):
+class CubeToBox(OperatorTask):
     """Cube of 5 cm, found by its colour, from a red box into a blue one."""
 
     measure = "cube from the middle of the blue box (m)"
@@ -54,7 +54,7 @@ class CubeToBox(Task):
     view = ("follow", -0.7, 0.5, 2.6, (0.7, 0.0, 0.2))
 
     def lay_out(self, rng: np.random.Generator) -> Dict[str, Dict[str, Any]]:
-        """Put table, boxes and cube before the robot; see `Task.lay_out`."""
+        """Put table, boxes and cube before the robot; see `OperatorTask.lay_out`."""
         ahead, aside, turn = (
             float(middle + rng.uniform(-each, each))
             for middle, each in zip((_AHEAD, 0.0, 0.0), _SCATTER)
@@ -102,10 +102,10 @@ class CubeToBox(Task):
         return things
 
     def begin(self, station: Station) -> None:
-        """See `Task.begin`."""
+        """See `OperatorTask.begin`."""
 
     def act(self, hand: Hand) -> None:
-        """Bring it over; see `Task.act`. The ground truth is not looked at."""
+        """Bring it over; see `OperatorTask.act`. The ground truth is not looked at."""
         station = hand.station
         with contextlib.closing(Eye(station, "turret")) as turret:
             self._go_there(hand, turret)
@@ -140,11 +140,11 @@ class CubeToBox(Task):
         station.wait(0.4)
         station.hold_preset("")
 
-    def _on_level(self, view: SeenPicture, color: Color, height: float) -> np.ndarray:
+    def _on_level(self, view: SeenPicture, color: VividColor, height: float) -> np.ndarray:
         """Place of a thing (m, base_link) whose middle is known to be at a height."""
         return ray(view, self._seen(view, color).center).at_height(height)
 
-    def _seen(self, view: SeenPicture, color: Color) -> Blob:
+    def _seen(self, view: SeenPicture, color: VividColor) -> Blob:
         blob = find(view.image, color)
         if blob is None:
             raise NotManagedError(f"nothing {color.name} in the picture")
@@ -200,7 +200,7 @@ class CubeToBox(Task):
             raise NotManagedError(f"the cube is not seen in the blue box; {station.where()}")
 
     def judge(self, station: Station) -> Verdict:
-        """See `Task.judge`: the cube lies on the floor of the blue box, which stands."""
+        """See `OperatorTask.judge`: the cube lies on the floor of the blue box, which stands."""
         box, cube = station.object_pose("blue_box"), station.object_pose("cube")
         x, y, z = (inverse(box) @ (cube @ (0.0, 0.0, 0.5 * EDGE, 1.0)))[:3]
         inside = abs(x) < 0.5 * BOX[0] and abs(y) < 0.5 * BOX[1] and 0.0 < z < BOX[2]

@@ -12,7 +12,7 @@ from telex_control.common.geometry.matrices import inverse
 from .. import driving
 from ..handling import Hand, aimed
 from ..station import Station
-from .task import Task, Verdict, heading_of, placed
+from .task import OperatorTask, Verdict, heading_of, placed
 
 HEIGHT = 0.15  # m, that the side is lifted by
 REQUIRED = 0.12  # m, for how long the operator holds it there, all the time
@@ -31,7 +31,7 @@ _PIECES = 10  # of the arc
 _AXLE = 0.11  # m
 
 
-class PalletSide(Task):
+class PalletSide(OperatorTask):
     """Pallet of 25 kg, gripped by the boards of its end and lifted there by 15 cm."""
 
     measure = "lifted and held (m)"
@@ -42,15 +42,15 @@ class PalletSide(Task):
         self._lowest = 0.0
 
     def lay_out(self, rng: np.random.Generator) -> Dict[str, Dict[str, Any]]:
-        """Put the pallet before the robot; see `Task.lay_out`."""
+        """Put the pallet before the robot; see `OperatorTask.lay_out`."""
         return {"pallet": {"type": "pallet", **placed(rng, _AHEAD, _SCATTER)}}
 
     def begin(self, station: Station) -> None:
-        """See `Task.begin`."""
+        """See `OperatorTask.begin`."""
         self._lowest = 0.0
 
     def act(self, hand: Hand) -> None:
-        """Lift it; see `Task.act`."""
+        """Lift it; see `OperatorTask.act`."""
         station = hand.station
         pallet = station.object_pose("pallet")
         end = (pallet @ (_SIDE, _ACROSS, 0.0, 1.0))[:3]
@@ -104,7 +104,7 @@ class PalletSide(Task):
         self._lowest = min(self._lowest, _lifted(station))
 
     def judge(self, station: Station) -> Verdict:
-        """See `Task.judge`: the end was held up all the time that the operator meant to."""
+        """See `OperatorTask.judge`: the end was held up all the time that the operator meant to."""
         height = 0.0 if math.isinf(self._lowest) else min(self._lowest, _lifted(station))
         far = (station.object_pose("pallet") @ (-_SIDE, 0.0, 0.0, 1.0))[2]
         done = height >= REQUIRED and abs(far) < 0.02

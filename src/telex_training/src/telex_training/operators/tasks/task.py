@@ -34,7 +34,7 @@ class Verdict:
     text: str
 
 
-class Task(abc.ABC):
+class OperatorTask(abc.ABC):
     """A thing to do, from a start that differs from run to run.
 
     Attributes

@@ -32,7 +32,7 @@ from ...workers import OrderedWorker
 from ..protocol.compression import TopicMessage
 from ..protocol.operations import OperationError
 from ..protocol.ros_messages import MessageCodec, codec_of, message_class
-from ..ros import Publisher, Ros
+from ..ros import BridgePublisher, Ros
 from .commands import commands_motion
 
 LINGER = 1.0
@@ -161,7 +161,7 @@ class SharedPublisher:
         connected is lost for them.
     """
 
-    def __init__(self, publisher: Publisher, codec: MessageCodec, expected: int) -> None:
+    def __init__(self, publisher: BridgePublisher, codec: MessageCodec, expected: int) -> None:
         self.codec = codec
         self._publisher = publisher
         self._expected = expected

@@ -28,7 +28,7 @@ class Wish:
     compression: str
 
 
-class Subscription:
+class ClientSubscription:
     """A topic that one client hears, no more often than it asked for.
 
     A message that comes too early waits until it is due, and a newer one replaces it: what the
@@ -169,7 +169,7 @@ class Subscriptions:
         self._config = config
         self._ros = ros
         self._subscribers = subscribers
-        self._subscriptions: Dict[str, Subscription] = {}
+        self._subscriptions: Dict[str, ClientSubscription] = {}
 
     def subscribe(self, operation: Operation) -> None:
         """Begin to listen to a topic, or add a wish to what is heard already."""
@@ -226,12 +226,12 @@ class Subscriptions:
 
     def _begin(
         self, topic: str, spelled: str, type_name: Optional[str], operation: Operation
-    ) -> Subscription:
+    ) -> ClientSubscription:
         self._client.access.check("subscribe", topic)
         limit = self._config.max_subscriptions
         if len(self._subscriptions) >= limit:
             raise OperationError(f"a client may subscribe to {limit} topics at most")
-        subscription = Subscription(
+        subscription = ClientSubscription(
             topic,
             type_name,
             spelled,
