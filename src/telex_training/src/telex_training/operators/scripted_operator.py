@@ -32,7 +32,7 @@ _PROGRESS = 0.02  # m, that tells progress from slipping
 
 
 @dataclass(frozen=True)
-class BasePose:
+class RobotPose:
     """Where the robot's base is.
 
     Attributes
@@ -55,10 +55,10 @@ class BasePose:
     yaw: float
 
     @staticmethod
-    def of(placement: Placement) -> BasePose:
+    def of(placement: Placement) -> RobotPose:
         """Return the pose of a base that is placed so."""
         roll, pitch, yaw = rpy_from_quaternion(placement.orientation)
-        return BasePose(*placement.position, roll, -pitch, yaw)
+        return RobotPose(*placement.position, roll, -pitch, yaw)
 
 
 class Operator(abc.ABC):
@@ -70,14 +70,14 @@ class Operator(abc.ABC):
     ----------
     time : float
         Sim time since the script began (s).
-    pose : BasePose
+    pose : RobotPose
         Of the base, as an instructor sees it.
     longest_wait : float
         How long anything is waited for at most (s), as if it came then: where it is short, scripts
         only show that they still run.
     """
 
-    pose: BasePose
+    pose: RobotPose
     longest_wait = math.inf
 
     def __init__(self, port: Port) -> None:
@@ -93,8 +93,8 @@ class Operator(abc.ABC):
         if self._seen.base is not None:
             self.pose = self._pose_of(self._seen.base)
 
-    def _pose_of(self, base: Placement) -> BasePose:
-        return BasePose.of(base)
+    def _pose_of(self, base: Placement) -> RobotPose:
+        return RobotPose.of(base)
 
     def joint(self, name: str) -> float:
         """Measured position of a joint, by its name without ``_joint`` (rad, m)."""

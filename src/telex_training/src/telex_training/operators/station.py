@@ -23,7 +23,7 @@ from .port import (
     ToolPose,
     ToolTwist,
 )
-from .scripted_operator import BasePose, Operator
+from .scripted_operator import Operator, RobotPose
 
 FLIPPERS = tuple(
     f"{end}_{side}_flipper_joint" for end in ("front", "rear") for side in ("left", "right")
@@ -80,11 +80,11 @@ class Station(Operator):
             if _PRESS_ANEW in notice.text:
                 self.press_anew(node)
 
-    def _pose_of(self, base: Placement) -> BasePose:
+    def _pose_of(self, base: Placement) -> RobotPose:
         seen = super()._pose_of(base)
         x, y, yaw = self._course
         ahead, aside = seen.x - x, seen.y - y
-        return BasePose(
+        return RobotPose(
             ahead * math.cos(yaw) + aside * math.sin(yaw),
             aside * math.cos(yaw) - ahead * math.sin(yaw),
             seen.z,
