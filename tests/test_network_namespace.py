@@ -25,7 +25,7 @@ def test_it_has_an_address_and_leaves_nothing_mounted():
             command = [*network.before, "ip", "-brief", "address"]
             told = subprocess.run(command, capture_output=True, text=True, check=True).stdout
             assert network.other in told
-            name = network.before[-1]
+            name = Path(network.before[-1].split("=")[-1]).name
             assert str(FOLDER / name) in mounts()
     except NoNamespaceError as error:
         pytest.skip(str(error))

@@ -106,7 +106,7 @@ class Chromium:
     url
         What the page shows.
     before
-        Words before the command, such as ``("ip", "netns", "exec", NAME)``.
+        Words before the command, such as ``("nsenter", "--net=/run/netns/NAME")``.
     size
         Width and height of the window (pixels).
     script

@@ -57,7 +57,8 @@ class NetworkNamespace:
         high, low = divmod(number % 0x4000 * 4, 256)
         net = f"198.{18 + high // 256}.{high % 256}"
         self.address, self.other = f"{net}.{low + 1}", f"{net}.{low + 2}"
-        self.before: Tuple[str, ...] = ("ip", "netns", "exec", self._name)
+        # Not by "ip netns exec" or "ip -n": these mount, which a changed root does not allow.
+        self.before: Tuple[str, ...] = ("nsenter", f"--net={_FOLDER}/{self._name}")
 
     @staticmethod
     def available() -> bool:
@@ -75,10 +76,10 @@ class NetworkNamespace:
                 _ip("link", "set", self._far, "netns", self._name)
             _ip("address", "add", f"{self.address}/30", "dev", self._near)
             _ip("link", "set", self._near, "up")
-            inside = ("-n", self._name)
-            _ip(*inside, "address", "add", f"{self.other}/30", "dev", self._far)
-            _ip(*inside, "link", "set", self._far, "up")
-            _ip(*inside, "link", "set", "lo", "up")
+            inside = self.before
+            _ip("address", "add", f"{self.other}/30", "dev", self._far, before=inside)
+            _ip("link", "set", self._far, "up", before=inside)
+            _ip("link", "set", "lo", "up", before=inside)
         except (OSError, subprocess.CalledProcessError) as error:
             self.__exit__()
             raise NoNamespaceError(f"no network of its own: {error}") from error
@@ -135,8 +136,8 @@ def _tun(name: str) -> int:
     return device
 
 
-def _ip(*words: str) -> None:
-    subprocess.run(["ip", *words], check=True)
+def _ip(*words: str, before: Sequence[str] = ()) -> None:
+    subprocess.run([*before, "ip", *words], check=True)
 
 
 def relay(devices: Sequence[int], delay: float) -> None:
