@@ -22,7 +22,8 @@ esac
 
 # roslaunch passes over what no launch file asks for: a misspelt name would go unnoticed.
 launch_file=telex_training/launch/station.launch
-own_files='model controllers config base arm gripper flippers cameras lamps actions joy_map'
+any_files='actions joy_map'
+own_files="$any_files model controllers config base arm gripper flippers cameras lamps"
 for argument in "$@"; do
   case "$argument" in
     replay:=*) launch_file=telex_training/launch/replay.launch ;;
@@ -178,7 +179,8 @@ teleop=()
 has_cameras=
 for argument in "$@"; do
   name="${argument%%:=*}"
-  if [ -n "$is_own" ] && [[ " $own_files " == *" $name "* ]] && [ "$argument" != "$name:=" ]; then
+  # Nodes do not run in the caller's folder, and the shell leaves a tilde behind := alone.
+  if [[ " ${is_own:+$own_files} $any_files " == *" $name "* ]] && [ "$argument" != "$name:=" ]; then
     file="${argument#*:=}"
     file="$(realpath -m -- "${file/#\~\//$HOME/}")"
     if [ ! -f "$file" ]; then
@@ -196,7 +198,6 @@ for argument in "$@"; do
   fi
   case "$argument" in
     world:=*/* | world:=*.yaml | exercise:=*/* | exercise:=*.yaml | recordings:=?* | variant:=*/* | variant:=*.yaml | robot:=*/* | token_file:=?* | instructor_token_file:=?*)
-      # Nodes do not run in the caller's folder, and the shell leaves this tilde alone.
       file="${argument#*:=}"
       argument="${argument%%:=*}:=$(realpath -m -- "${file/#\~\//$HOME/}")"
       ;;

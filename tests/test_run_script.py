@@ -507,6 +507,21 @@ def test_a_robot_of_ones_own_is_started_from_the_callers_folder(tmp_path):
     assert told[at : at + 5] == waits
 
 
+def test_a_stations_own_keys_and_pad_are_of_the_callers_folder(tmp_path):
+    (tmp_path / "keys.yaml").touch()
+    (tmp_path / "pad.yaml").touch()
+    done = run_alone(tmp_path, "actions:=keys.yaml", "joy_map:=pad.yaml", environment=TELLS)
+    told = done.stdout.splitlines()
+    assert f"actions:={tmp_path / 'keys.yaml'}" in told
+    assert f"joy_map:={tmp_path / 'pad.yaml'}" in told
+
+
+def test_a_station_is_refused_keys_that_are_not_there(tmp_path):
+    done = run_alone(tmp_path, "actions:=~/no/keys.yaml", environment=TELLS)
+    assert done.returncode == 2
+    assert "run.sh: actions:=~/no/keys.yaml: there is no file /" in done.stderr
+
+
 @pytest.mark.parametrize(
     ("given", "said"),
     [
