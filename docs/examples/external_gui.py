@@ -30,7 +30,7 @@ tracks = roslibpy.Topic(ros, "/telex/track_teleop/cmd_vel", "geometry_msgs/Twist
 tracks.advertise()
 began = time.monotonic()
 while time.monotonic() < began + 3.0:
-    # A command holds for 0.28 s: it is repeated as long as a key would be held, then falls silent.
+    # A command holds for 0.25 s: it is repeated as long as a key would be held, then falls silent.
     if 0.5 < time.monotonic() - began < 2.5:
         tracks.publish(roslibpy.Message({"linear": {"x": 0.2}, "angular": {"z": 0.0}}))
     time.sleep(0.05)

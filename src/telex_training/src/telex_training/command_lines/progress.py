@@ -92,7 +92,7 @@ def _parser() -> argparse.ArgumentParser:
         description="People's progress, from the recordings of their trials; "
         "docs/instructor/progress.md says more.",
         epilog="Who may read the recordings sees everybody's; trainees see their own on the page "
-        "/training/progress.",
+        "/progress/.",
     )
     add_folder(parser)
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
