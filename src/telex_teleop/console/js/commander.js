@@ -244,7 +244,7 @@ export class Commander {
     const joints = side === "both" ? [] : this._flippers.filter((joint) => this._sides[side].includes(joint));
     if (name !== "" && side !== "both" && joints.length === 0) {
       // Without names, a preset is for all flippers.
-      this._warn(text("no flippers are known on the {side}", { side }));
+      this._warn(text("no flippers are known on the {side}", { side: text(side) }));
       name = "";
     }
     if ((name === "" && !this._leading) || (name !== "" && this.congested)) return;

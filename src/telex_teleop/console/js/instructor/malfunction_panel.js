@@ -75,7 +75,7 @@ export class MalfunctionPanel {
     this._what.replaceChildren(...groups.map((group) => {
       const part = /** @type {HTMLOptGroupElement} */ (element("optgroup"));
       part.label = translated(group);
-      part.append(...possible.filter((each) => each.group === group).map((each) => new Option(`${translated(each.what)}: ${translated(each.kind)}`, keyOf(each))));
+      part.append(...possible.filter((each) => each.group === group).map((each) => new Option(nameOf(each), keyOf(each))));
       return part;
     }));
     if (possible.some((each) => keyOf(each) === chosen)) this._what.value = chosen;
@@ -218,7 +218,10 @@ export class AtNextStep {
 const keyOf = ({ what, kind }) => `${what}/${kind}`;
 
 /** @param {{what: string, kind: string}} which */
-const nameOf = ({ what, kind }) => `${translated(what)} ${translated(kind)}`;
+const nameOf = ({ what, kind }) => `${translated(what)}${text(": |joint")}${kindOf(kind)}`;
+
+/** A gripper that has lost its force is no link that is lost. @param {string} kind */
+const kindOf = (kind) => (kind === "lost" ? text("lost|force") : translated(kind));
 
 /** @param {Possible} range */
 const rangeOf = ({ least, most, unit }) => ({ least: decimal(least, 4, 0), most: decimal(most, 4, 0), unit: translated(unit) });

@@ -23,8 +23,8 @@ export const WORDS = [
   // link, picture, grip
   "good", "fair", "poor", "lost", "slipping", "weak",
   // what fails, and how
-  "unknown", "joint", "belt", "lamp", "key", "battery", "left_belt", "right_belt", "stuck", "limp", "thrown", "bias", "dead", "frozen", "dark", "noisy",
-  "dirty", "blurred", "low", "gives only a part of its effort", "is jammed where it is", "gives no effort, and its brake does not hold",
+  "unknown", "joint", "belt", "lamp", "key", "battery", "left_belt", "right_belt", "stuck", "limp", "lost|force", "thrown", "bias", "dead", "frozen", "dark",
+  "noisy", "dirty", "blurred", "low", "gives only a part of its effort", "is jammed where it is", "gives no effort, and its brake does not hold",
   "its clutch slips", "the belt is off its wheels", "loses force", "its gyroscope drifts about the vertical", "does not burn",
   "goes on sending its last picture", "its pictures are dark", "its pictures are noisy", "its window is dirty", "is out of focus",
   "runs down from this charge", "goes on commanding when it is released",

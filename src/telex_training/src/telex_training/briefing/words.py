@@ -294,7 +294,7 @@ def _answered(of: Answered, holds: bool) -> Said:
 def _dose(of: Dose, holds: bool) -> Said:
     what = _subject(of.what)
     if of.what not in (ROBOT, *ELECTRONICS):
-        what = say("{what} camera", what=what)
+        what = say("{what} camera", what=thing_words(of.what, "of"))
     if of.what in ELECTRONICS:
         words = "{what} have received more than {dose} Gy"
         not_so = "{what} have received no more than {dose} Gy"
