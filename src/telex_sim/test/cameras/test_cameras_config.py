@@ -108,6 +108,7 @@ def test_bad_camera(changes, complaint):
         ({"largest": 0.5}, "largest is 0.5"),
         ({"largest": math.nan}, "largest is nan"),
         ({"seed": -1}, "seed is -1"),
+        ({"seed": 2**31}, "seed is 2147483648"),
         ({"cameras": {"overview": FRONT}}, "'overview', which is the instructor's camera"),
         ({"overview": {"width": 640}}, "/telex/cameras/overview/"),
         ({"overview": {**OVERVIEW, "follow": ""}}, "frame is ''"),

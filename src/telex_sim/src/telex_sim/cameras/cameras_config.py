@@ -382,7 +382,7 @@ class CamerasConfig(Declared):
         1.0,
         4.0,
     )
-    seed: int = number(0, "Of all noise.", 0)
+    seed: int = number(0, "Of all noise.", 0, 2**31 - 1)
     niceness: Optional[int] = number(
         None,
         "By how much the process steps back for others, above all for the physics, -20 to"
