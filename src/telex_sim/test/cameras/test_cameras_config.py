@@ -199,6 +199,16 @@ class TestPreviews:
         assert (small.width, small.height, small.rate) == (240, 135, 4.0)
 
     @pytest.mark.parametrize(
+        ("size", "largest"),
+        [((2560, 1920), (4096, 3072)), ((1500, 2001), (3070, 4095)), ((4096, 64), (4096, 64))],
+    )
+    def test_what_is_enlarged_stays_as_small_as_pictures_may_be(self, size, largest):
+        width, height = size
+        enlarged = self.small(width=width, height=height, noise=2.0).reduced(3 * width)
+        assert (enlarged.width, enlarged.height) == largest
+        assert enlarged.noise == 2.0
+
+    @pytest.mark.parametrize(
         ("changes", "complaint"),
         [
             ({"width": 8}, "width is 8"),

@@ -157,8 +157,10 @@ class OpticsConfig(Declared):
     def reduced(self: Optics, width: int) -> Optics:
         """Return the same camera with smaller pictures, or larger ones, so many pixels wide.
 
-        Reducing a picture takes the mean of pixels, and noise from it in proportion.
+        Neither side becomes longer than a picture's may be. Reducing a picture takes the mean of
+        pixels, and noise from it in proportion.
         """
+        width = min(width, _MAX_SIZE * self.width // max(self.width, self.height))
         scale = width / self.width
         height = max(round(scale * self.height), _MIN_SIZE)
         return replace(self, width=width, height=height, noise=min(scale, 1.0) * self.noise)
