@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tracemalloc
 from dataclasses import replace
 
 import cv2
@@ -263,6 +264,25 @@ class TestNoise:
         for other in (self.grain(4.0, stamp=2 * SECOND), self.grain(4.0, seed=8)):
             correlation = (first * other).mean() / first.var()
             assert abs(correlation) < 0.02
+
+    def test_is_at_most_as_strong_as_a_picture_is_bright(self):
+        assert (self.grain(4000.0) == self.grain(255.0)).all()
+
+    def test_memory_does_not_grow_with_the_strengths(self):
+        noise, picture = SensorNoise(64, 48, 7), np.zeros((48, 64, 4), np.uint8)
+
+        def use(strengths):
+            for strength in strengths:
+                noise.add(picture, float(strength), SECOND)
+            return tracemalloc.get_traced_memory()[0]
+
+        tracemalloc.start()
+        try:
+            before = use(range(1, 11))
+            grown = use(range(11, 200)) - before
+        finally:
+            tracemalloc.stop()
+        assert grown < 100_000
 
     def test_none_by_default(self, renderer):
         show(renderer, ball((0.0, 0.0, 2.0)))

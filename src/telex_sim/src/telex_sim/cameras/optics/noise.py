@@ -18,8 +18,11 @@ _SHIFTS = 128
 # Grey levels per step of strength; finer differences cannot be seen, and each step takes memory.
 _STEP = 0.5
 
-# Grey levels; what is weaker vanishes when it is rounded.
-_WEAKEST = 0.25
+# Grey levels: what is weaker vanishes when it is rounded, what is stronger looks the same.
+_WEAKEST, _STRONGEST = 0.25, 255.0
+
+# Strengths whose noise is kept, the last ones: that of a large picture takes 100 MB.
+_KEPT_TILES = 4
 
 # Gy/h and Gy: more cannot be told from it.
 _MOST = 1e5
@@ -104,13 +107,14 @@ class SensorNoise:
         picture
             RGBA, shape (height, width, 4), uint8; changed in place.
         strength
-            Standard deviation (grey levels of 255); steps of half a level are told apart.
+            Standard deviation (grey levels of 255); steps of half a level are told apart, and what
+            is above 255 is as 255.
         stamp
             Of the picture (ns).
         """
         if strength < _WEAKEST:
             return
-        lighter, darker = self._tile(max(1, round(strength / _STEP)))
+        lighter, darker = self._tile(max(1, round(min(strength, _STRONGEST) / _STEP)))
         x, y = self._generator(stamp).integers(0, _SHIFTS, 2)
         part = (slice(y, y + self._height), slice(x, x + self._width))
         cv2.add(picture, lighter[part], dst=picture)
@@ -184,17 +188,24 @@ class SensorNoise:
 
     def _tile(self, step: int) -> Tuple[np.ndarray, np.ndarray]:
         """What is added and what is taken away, each larger than a picture by the shifts."""
-        if step not in self._tiles:
-            if self._normal is None:
-                shape = (self._height + _SHIFTS, self._width + _SHIFTS, 4)
-                self._normal = self._generator().standard_normal(shape, dtype=np.float32)
-                self._normal[..., 3] = 0.0
-            noise = np.rint(self._normal * (step * _STEP))
-            self._tiles[step] = (
-                np.clip(noise, 0, 255).astype(np.uint8),
-                np.clip(-noise, 0, 255).astype(np.uint8),
-            )
-        return self._tiles[step]
+        tile = self._tiles.pop(step, None)
+        if tile is None:
+            tile = self._draw_tile(step * _STEP)
+            if len(self._tiles) >= _KEPT_TILES:
+                del self._tiles[next(iter(self._tiles))]
+        self._tiles[step] = tile  # the last one that was used comes last
+        return tile
+
+    def _draw_tile(self, strength: float) -> Tuple[np.ndarray, np.ndarray]:
+        if self._normal is None:
+            shape = (self._height + _SHIFTS, self._width + _SHIFTS, 4)
+            self._normal = self._generator().standard_normal(shape, dtype=np.float32)
+            self._normal[..., 3] = 0.0
+        noise = np.rint(self._normal * strength)
+        return (
+            np.clip(noise, 0, 255).astype(np.uint8),
+            np.clip(-noise, 0, 255).astype(np.uint8),
+        )
 
     def _generator(self, *stamp: int) -> np.random.Generator:
         # A stamp before zero does not occur, but must not be an error here.
