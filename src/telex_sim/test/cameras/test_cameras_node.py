@@ -499,7 +499,8 @@ class TestCameras:
         told = stage.topics.heard("cameras/front/zoom_factor", Float64)
         wait_until(lambda: told, "the factor that it begins with")
         zoom = stage.commands("cameras/front/zoom", Float64)
-        for value, factor in ((2.5, 2.5), (float("nan"), 2.5), (99.0, 4.0), (-1.0, 1.0)):
+        nan, inf = float("nan"), float("inf")
+        for value, factor in ((2.5, 2.5), (nan, 2.5), (inf, 2.5), (99.0, 4.0), (-1.0, 1.0)):
             zoom.publish(value)
             time.sleep(0.2)
             assert infos.newest(0.2).focal_length == pytest.approx(factor * FOCAL)
@@ -508,7 +509,8 @@ class TestCameras:
         late = stage.topics.heard("cameras/front/zoom_factor", Float64)
         wait_until(lambda: late, "the factor that it has now")
         assert late[0].data == 1.0
-        assert "camera front: zoom is nan; 1 to 4 is possible" in stage.said
+        for what in (nan, inf):
+            assert f"camera front: zoom is {what}; 1 to 4 is possible" in stage.said
         assert "camera front: zoom is 99; 1 to 4 is possible, 4 is taken" in stage.said
         assert "camera front: zoom is -1; 1 to 4 is possible, 1 is taken" in stage.said
 

@@ -147,8 +147,8 @@ class CameraStream:
 
     def _take_zoom(self, message: Float64) -> None:
         wanted, most = message.data, self.config.zoom_max
-        if math.isnan(wanted):
-            rospy.logwarn("camera %s: zoom is nan; 1 to %g is possible", self.name, most)
+        if not math.isfinite(wanted):
+            rospy.logwarn("camera %s: zoom is %g; 1 to %g is possible", self.name, wanted, most)
             return
         zoom = min(max(wanted, 1.0), most)
         if zoom != wanted:
