@@ -15,6 +15,7 @@ from telex_msgs.msg import (
     ComponentDoses,
     InstructorAction,
     LinkState,
+    SceneLight,
     SimStatus,
     TruthContact,
     TruthNames,
@@ -190,6 +191,11 @@ class Trial:
         told = {"perfect": profile == "perfect", **fields}
         message = LinkState(profile=profile, since=genpy.Time.from_sec(since), **told)
         return self.feed("link/state", "telex_msgs/LinkState", serialized(message))
+
+    def light(self, daylight: float, lamps: float) -> List[JudgeEvent]:
+        """Tell what light an instructor has set."""
+        message = SceneLight(daylight=daylight, lamps=lamps)
+        return self.feed("sim/light", "telex_msgs/SceneLight", serialized(message))
 
     def action(self, by: str, service: str, request: str) -> List[JudgeEvent]:
         """Tell what an instructor has done."""

@@ -463,6 +463,19 @@ def test_what_an_instructor_does_to_the_scene_is_recorded_with_his_name(mode):
 
 
 @pytest.mark.parametrize("mode", ["practice", "exam"])
+def test_another_light_counts_whoever_has_set_it(mode):
+    """Through the page of a robot that is not the exam's, it is no action that is recorded."""
+    trial = ready(mode=mode)
+    trial.light(1.0, 0.5)
+    trial.light(1.0, 0.5)
+    assert trial.judge.state()["invalid_because"] == []  # how it was
+    trial.drive(1.0)
+    trial.light(0.0, 0.5)
+    wanted = [] if mode == "practice" else ["the light was changed from outside"]
+    assert trial.judge.state()["invalid_because"] == wanted
+
+
+@pytest.mark.parametrize("mode", ["practice", "exam"])
 def test_the_sheet_says_what_the_line_was(mode):
     trial = ready(mode=mode)
     trial.link("perfect", 1.0)

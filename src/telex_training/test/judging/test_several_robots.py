@@ -7,7 +7,7 @@ import json
 import genpy
 import pytest
 from std_msgs.msg import Bool, Float64, String
-from telex_msgs.msg import ActiveMalfunction, ComponentDoses, Malfunctions
+from telex_msgs.msg import ActiveMalfunction, ComponentDoses, InstructorAction, Malfunctions
 from training_truth import PERIOD, Trial, exercise, serialized
 
 from telex_training.command_lines.score import sheet_report
@@ -137,6 +137,16 @@ def test_the_sheet_says_which_aids_each_operator_had(trial):
     armed.feed("second/lamps/laser_left/command", "std_msgs/Float64", lit)
     armed.seconds(0.5)
     assert [aid["name"] for aid in armed.judge.sheet()["aids"]] == ["laser dots"]
+
+
+def test_what_is_done_through_the_second_robots_bridge_counts_in_an_exam():
+    made = PairTrial(exercise(PAIR))
+    made.second_at(0.0)
+    exam = made.begin("exam")
+    acted = InstructorAction(by="Bob", service="sim/delete", request='{"name": "cube"}')
+    exam.feed("second/bridge/actions", "telex_msgs/InstructorAction", serialized(acted))
+    assert [note["text"] for note in exam.judge.sheet()["notes"]] == ["took out 'cube'"]
+    assert exam.judge.state()["invalid_because"] == ["Bob has changed the scene"]
 
 
 def test_a_fault_of_the_second_robot_goes_by_its_own_start(trial):

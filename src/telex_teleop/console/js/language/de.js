@@ -686,6 +686,7 @@ export const DE = {
   "objects were put into the scene or taken out": "Gegenstände wurden in die Szene gestellt oder entfernt",
   "{name} has changed the scene": "{name} hat die Szene verändert",
   "the line was changed from outside": "die Leitung wurde von außen geändert",
+  "the light was changed from outside": "das Licht wurde von außen geändert",
   "the trial is of the setting '{setting}'": "der Versuch ist in der Einstellung „{setting}“",
   "{what} from outside": "{what}, von außen",
   "other parameters of the cameras": "andere Kameraparameter",

@@ -686,6 +686,7 @@ export const FR = {
   "objects were put into the scene or taken out": "des objets ont été ajoutés à la scène ou retirés",
   "{name} has changed the scene": "{name} a modifié la scène",
   "the line was changed from outside": "la liaison a été modifiée de l’extérieur",
+  "the light was changed from outside": "l’éclairage a été modifié de l’extérieur",
   "the trial is of the setting '{setting}'": "l’essai est dans le réglage « {setting} »",
   "{what} from outside": "{what}, de l’extérieur",
   "other parameters of the cameras": "autres paramètres des caméras",

@@ -224,6 +224,7 @@ export const WORDS = [
   "objects were put into the scene or taken out",
   "{name} has changed the scene",
   "the line was changed from outside",
+  "the light was changed from outside",
   "the trial is of the setting '{setting}'",
   "{what} from outside",
   "other parameters of the cameras",

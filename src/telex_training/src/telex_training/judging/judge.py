@@ -20,6 +20,7 @@ from .entries import (
     DOSES,
     E_STOP,
     INPUTS,
+    LIGHT,
     LINK,
     MALFUNCTIONS,
     NAMES,
@@ -55,7 +56,7 @@ from .trial_record import (
     TrialRecord,
 )
 from .truth import Names, Sample, World, read_sample
-from .validity import MOST_SLOW, LinkRecord
+from .validity import MOST_SLOW, LightRecord, LinkRecord
 from .workload import INPUT as TLX
 from .workload import workload_of
 
@@ -125,6 +126,7 @@ class Judge:
         self._last_steps = 0
         self._nameless: Optional[float] = None
         self._resets_due = 0
+        self._light = LightRecord()
         self._paused = False
         self._handlers: Dict[str, Callable[[Entry], None]] = {
             TRUTH: self._take_truth,
@@ -134,6 +136,7 @@ class Judge:
             ODOMETRY: self._take_odometry,
             CLIENTS: self._record.activity.clients,
             ACTIONS: self._take_action,
+            LIGHT: self._take_light,
             LINK: self._take_link,
             TELEMETRY: self._take_telemetry,
             **(dict.fromkeys(LASERS, self._take_lasers) if f'"{LASER_LINK}"' in urdf else {}),
@@ -307,6 +310,8 @@ class Judge:
         entry = entry._replace(channel=channel)
         if channel == TRUTH:
             self._take_truth_of_other(other, entry)
+        elif channel == ACTIONS:
+            self._take_action(entry)
         elif channel == LINK:
             self._hear_line(other.link, entry, {"robot": other.name})
         elif channel == MALFUNCTIONS:
@@ -381,6 +386,11 @@ class Judge:
         exam = self._record.is_exam
         if exam and self._record.phase in (WAITING, RUNNING, BETWEEN):
             self._invalidate(f"{by[:40]} has changed the scene")
+
+    def _take_light(self, entry: Entry) -> None:
+        exam = self._record.is_exam
+        if self._light.take(entry) and exam and self._record.phase in (WAITING, RUNNING, BETWEEN):
+            self._invalidate("the light was changed from outside")
 
     def _take_link(self, entry: Entry) -> None:
         self._hear_line(self._record.link, entry, {})

@@ -144,6 +144,24 @@ class Pace:
         return {"mean": mean, "worst": self.worst if self.worst is not None else mean}
 
 
+class LightRecord:
+    """The light that an instructor has set, through whichever robot's page."""
+
+    def __init__(self) -> None:
+        self._known: Optional[Tuple[float, float]] = None
+
+    def take(self, entry: Entry) -> bool:
+        """Hear the light; tells whether it is another one than before.
+
+        Raises
+        ------
+        BadEntryError
+        """
+        message = decode(entry, "telex_msgs/SceneLight")
+        before, self._known = self._known, (float(message.daylight), float(message.lamps))
+        return before not in (None, self._known)
+
+
 class LinkRecord:
     """What the line to the operator was, from its first word that it is impaired.
 

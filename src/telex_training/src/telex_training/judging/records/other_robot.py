@@ -8,6 +8,7 @@ from telex_sim.scene.model import Scene
 
 from ..activity import COMMANDS, STATUSES, ActivityRecord
 from ..entries import (
+    ACTIONS,
     CLIENTS,
     DOSES,
     E_STOP,
@@ -34,6 +35,7 @@ CHANNELS = (
     MALFUNCTIONS,
     E_STOP,
     CLIENTS,
+    ACTIONS,
     TELEMETRY,
     LINK,
     *LASERS,
@@ -77,7 +79,12 @@ class OtherRobot:
         self._has_lasers = f'"{LASER_LINK}"' in urdf
 
     def hear(self, entry: Entry) -> List[str]:
-        """Hear an entry that is not its truth, its line, nor what fails; returns events.
+        """Hear an entry of its own: not truth, line, failures, nor an instructor's act.
+
+        Returns
+        -------
+        list of str
+            Events.
 
         Raises
         ------
