@@ -125,12 +125,19 @@ class Apparatus:
         ApparatusError
             The bridge does not answer, or refuses.
         """
-        while self._links_before:
-            robot, before = self._links_before.popitem()
+        failed = []
+        for robot, before in list(self._links_before.items()):
             # Of a line that follows the signal the figures are those of the moment.
             figures = () if before.signal_known else LINK_FIELDS
             profile = "" if before.profile == "fields" else before.profile
-            self._configure(robot, profile, {key: getattr(before, key) for key in figures})
+            try:
+                self._configure(robot, profile, {key: getattr(before, key) for key in figures})
+            except ApparatusError as error:
+                failed.append(str(error))
+            else:
+                del self._links_before[robot]
+        if failed:
+            raise ApparatusError("; ".join(failed))
 
     def _configure(self, robot: str, profile: str, fields: Mapping[str, float]) -> None:
         text = yaml.safe_dump(dict(fields)) if fields else ""
