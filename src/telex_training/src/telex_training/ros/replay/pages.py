@@ -61,6 +61,7 @@ class ReplayPages(PageServer):
 
     def add_routes(self, router: web.UrlDispatcher) -> None:
         """See `PageServer.add_routes`."""
+        self._turn = asyncio.Lock()
         router.add_get(f"{PREFIX}/api/trial/{{trial}}", self._about)
         router.add_get(f"{PREFIX}/api/picture/{{trial}}", self._picture)
         router.add_get(f"{PREFIX}/api/ghosts/{{trial}}", self._offer_ghosts)
@@ -117,7 +118,11 @@ class ReplayPages(PageServer):
         spacing = self._busy_period if self._is_busy() else 0.0
         draw = functools.partial(self._drawing.picture, ghost=ghost)
         try:
-            data = await aside(draw, replay, drawn, name, view, spacing)
+            # Who waits takes no thread from others, and who has gone is not drawn for.
+            async with self._turn:
+                if request.transport is None:
+                    raise web.HTTPServiceUnavailable(text="Nobody waits for it any more.\n")
+                data = await aside(draw, replay, drawn, name, view, spacing)
         except DrawingError as error:
             raise web.HTTPGatewayTimeout(text=f"{error}\n") from None
         if ghost is not None:
