@@ -139,6 +139,7 @@ class TestForAClass:
             ("/api/open", {"exercise": "slalom", "start": "yes"}, 400),
             ("/api/open", {"exercise": "slalom", "path": "/etc/passwd"}, 400),
             ("/api/open", [], 400),
+            ("/api/open", {"exercise": "\ud800"}, 400),
             ("/api/help", {}, 400),
         ],
     )

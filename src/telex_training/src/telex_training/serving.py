@@ -7,6 +7,8 @@ from typing import Any, Callable, Dict
 
 from aiohttp import web
 
+from .plain_data import require_text
+
 
 async def aside(work: Callable[..., Any], *arguments: Any) -> Any:
     """Do what takes a while in another thread."""
@@ -25,9 +27,11 @@ async def posted(request: web.Request) -> Any:
     if request.content_type != "application/json":
         raise web.HTTPUnsupportedMediaType(text="application/json is needed.\n")
     try:
-        return await request.json()
+        content = await request.json()
+        require_text(content)
     except (ValueError, LookupError, RecursionError) as error:
         raise web.HTTPBadRequest(text=f"It is no JSON: {error}\n") from error
+    return content
 
 
 async def posted_object(request: web.Request, *keys: str) -> Dict[str, Any]:

@@ -11,6 +11,8 @@ import genpy
 
 from telex_control.common.geometry.quaternions import Pose
 
+from ..plain_data import require_text
+
 INPUTS = "training/inputs"
 """Channel of the training's own inputs: JSON in std_msgs/String."""
 TRUTH, NAMES, STATUS = "sim/truth", "sim/truth_names", "sim/status"
@@ -132,13 +134,15 @@ def json_of(entry: Entry) -> Dict[str, Any]:
     Raises
     ------
     BadEntryError
-        It is no JSON, no struct, too long, or has a number that is not finite.
+        It is no JSON, no struct, too long, or has a number that is not finite or a text that is
+        none.
     """
     text = text_of(entry)
     if len(text) > _LONGEST_JSON:
         raise BadEntryError(f"it has {len(text)} characters; at most {_LONGEST_JSON} are read")
     try:
         made = json.loads(text, parse_constant=_refuse)
+        require_text(made)
     except (ValueError, RecursionError) as error:
         raise BadEntryError(f"it is no JSON: {str(error)[:80]}") from None
     if not isinstance(made, dict):

@@ -16,6 +16,7 @@ from ..exercises.metric_kinds import KINDS
 from ..exercises.model import EXAM
 from ..judging.sheet import FORMAT, PASSED, sheet_text
 from ..judging.stats import raw_tlx
+from ..plain_data import require_text
 from ..recording.reader import read_recording
 from ..recording.signature import VALID
 from ..recording.trial_file import SHEET, SUFFIX, judged, read_workload, signature_of
@@ -193,8 +194,7 @@ def read_trial(path: Path, verify: bool = False) -> TrialFacts:
     began, text = _first_and_sheet(path)
     try:
         sheet = json.loads(text)
-        # Half a surrogate pair, which JSON can spell, is no text that could be stored.
-        json.dumps(sheet, ensure_ascii=False).encode()
+        require_text(sheet)
         facts = _facts(sheet, began, read_workload(path))
     except (ConfigError, ValueError, RecursionError) as error:
         raise RecordingError(f"{path}: its {SHEET} is wrong: {error}") from error

@@ -11,6 +11,7 @@ import json
 from dataclasses import dataclass
 from typing import Any, Dict, Mapping, Optional
 
+from ..plain_data import require_text
 from .digest import EntriesDigest
 from .reader import Recording
 from .station_keys import StationKey, StationKeyError, is_signed, known_keys, station_key
@@ -94,6 +95,7 @@ def verified(recording: Recording, keys: Mapping[str, str]) -> Signature:
         return Signature(NONE, reason="" if recording.whole else "the recording is cut off")
     try:
         content: Any = json.loads(found.data[:_MOST_BYTES])
+        require_text(content)
         signed, key = content["signed"], str(content["key"])
         signature = bytes.fromhex(content["signature"])
         entries, hashes = signed["entries"], signed["attachments"]
