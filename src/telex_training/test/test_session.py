@@ -25,7 +25,7 @@ from telex_training.recording import writer as writing
 from telex_training.recording.reader import read_recording
 from telex_training.recording.signature import VALID
 from telex_training.recording.station_keys import PRIVATE, known_keys
-from telex_training.recording.trial_file import SHEET, judged, signature_of
+from telex_training.recording.trial_file import SHEET, judged, serialised_input, signature_of
 from telex_training.recording.writer import RecordingError
 from telex_training.ros import session as sessions
 from telex_training.ros import training_node
@@ -257,6 +257,46 @@ def test_a_disk_that_fills_is_said_and_makes_the_trial_invalid(session, monkeypa
     assert not state["valid"]
     assert "No space left on device" in state["invalid_because"][0]
     assert state["message"].startswith("the recording is not complete: ")
+
+
+def test_a_text_that_is_none_does_not_reach_the_sheet(session, simulator):
+    session.start()
+    wait(session, "waiting")
+    Truth(session).at(0.8)
+    wait(session, "running")
+    telemetry = serialised_input({"released": "\ud800"})
+    session._hear("console/telemetry", "std_msgs/String", telemetry)
+    session.again()
+    wait(session, "waiting")
+    session.abort("aborted")
+    sheet = ended(session)
+    assert sheet["ended"] == "aborted"
+    assert simulator.lines[-1] == "as before"
+
+
+@pytest.mark.parametrize(
+    "step", ["_make_sheet", "_close_recording", "_show_sheet", "_restore_line"]
+)
+def test_whatever_goes_wrong_at_its_end_the_rest_is_put_in_order(
+    session, simulator, monkeypatch, step
+):
+    def fail():
+        raise KeyError("nobody has thought of this")
+
+    mended = threading.Event()
+    monkeypatch.setattr(session, step, fail)
+    monkeypatch.setattr(session, "_mend", mended.set)
+    session.start()
+    wait(session, "waiting")
+    session.abort("aborted")
+    assert session.wait_closed()
+    assert mended.is_set()
+    assert "nobody has thought of this" in session.state()["message"]
+    assert ("as before" in simulator.lines) == (step != "_restore_line")
+    if step != "_close_recording":
+        recording = read_recording(session.path)
+        assert recording.whole
+        assert (SHEET in recording.attachments) == (step != "_make_sheet")
 
 
 def test_it_is_started_once_and_not_again_after_its_end(session):

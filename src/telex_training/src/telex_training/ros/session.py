@@ -36,7 +36,7 @@ from ..recording.trial_file import (
     serialised_input,
     sheet_attachment,
 )
-from ..recording.writer import RecordingError, RecordingWriter, Seal, check_room
+from ..recording.writer import Attachment, RecordingError, RecordingWriter, Seal, check_room
 from .apparatus import Apparatus, ApparatusError
 from .channels import Channels
 from .configuration import ConfigurationWatch
@@ -121,6 +121,7 @@ class Session:
         self._loaded = self._has_line = False
         self._closing = self._restoring = False
         self._done = threading.Event()
+        self._ending: Dict[str, Attachment] = {}
         self._sheet = ""
         self._left = False
         self._failures: List[Failure] = []
@@ -543,32 +544,54 @@ class Session:
             rospy.logwarn("training: %s: %s", wanted.name, error)
 
     def _close(self) -> None:
-        """Close the recording of a trial that has ended, and show its sheet."""
+        """Close the recording of a trial that has ended, show its sheet, and give all back."""
         try:
-            self._finish()
+            for step in (
+                self._hear_no_more,
+                self._make_sheet,
+                self._close_recording,
+                self._show_sheet,
+                # After the recording: a bridge that has ended takes its time not to answer.
+                self._restore_line,
+                self._changed,
+                self._mend,
+            ):
+                try:
+                    step()
+                except Exception as error:  # whatever it is, the next steps have to be taken
+                    self._failed(f"the trial has not ended as it should: {error}")
+                    self._changed()
         finally:
             self._done.set()
 
-    def _finish(self) -> None:
+    def _failed(self, message: str) -> None:
+        self.message = message
+        rospy.logerr("training: %s", message)
+
+    def _hear_no_more(self) -> None:
         assert self._inbox is not None
-        assert self._writer is not None
         for watch in self._watches:
             watch.close()
         if self._channels is not None:
             self._channels.close()
         self._inbox.close()
+
+    def _make_sheet(self) -> None:
         with self._judging:
-            self._sheet = self._judge.text()
+            text = self._judge.text()
+        self._ending[SHEET] = sheet_attachment(text)
+        self._sheet = text
+
+    def _close_recording(self) -> None:
+        assert self._writer is not None
         try:
-            self._writer.close({SHEET: sheet_attachment(self._sheet)}, self._seal)
+            self._writer.close(self._ending, self._seal)
         except RecordingError as error:
-            self.message = f"the recording is not complete: {error}"
-            rospy.logerr("training: %s", self.message)
-        self._ended(self.trial, self._sheet)
-        # After the recording is closed: a bridge that has ended takes its time not to answer.
-        self._restore_line()
-        self._changed()
-        self._mend()
+            self._failed(f"the recording is not complete: {error}")
+
+    def _show_sheet(self) -> None:
+        if self._sheet:
+            self._ended(self.trial, self._sheet)
 
     def _restore_line(self) -> None:
         """Give the line back as it was before the trial."""
@@ -577,8 +600,7 @@ class Session:
             try:
                 self._apparatus.restore_line()
             except ApparatusError as error:
-                self.message = f"the line is not as it was before the trial: {error}"
-                rospy.logerr("training: %s", self.message)
+                self._failed(f"the line is not as it was before the trial: {error}")
 
     def close(self, reason: str) -> None:
         """End it, whatever it is doing, and wait until its recording is closed."""
