@@ -335,7 +335,7 @@ def test_what_does_not_fail_cannot_be_ended(bench):
 def test_only_cameras_and_lamps_that_the_robot_has_can_fail(bench):
     bench.malfunctions.equip(
         {"arm": {"frame": "arm_camera_optical_frame"}, "far": {"frame": "nowhere"}, "odd": 3},
-        {"gripper": {"frame": "gripper_lamp_link"}},
+        {"gripper": {"frame": "gripper_lamp_link"}, "listed": {"frame": ["gripper_lamp_link"]}},
     )
     parts = bench.malfunctions.parts
     assert (parts.cameras, parts.lamps) == (("arm",), ("gripper",))

@@ -93,7 +93,9 @@ class Malfunctions(Stateful):
         return tuple(
             name
             for name, each in sorted(described.items())
-            if isinstance(each, Mapping) and each.get("frame") in links
+            if isinstance(each, Mapping)
+            and isinstance(each.get("frame"), str)
+            and each["frame"] in links
         )
 
     @property
