@@ -313,13 +313,11 @@ class SimulatorNode:
                 robot, visuals = self._plan_robot(name)
                 try:
                     self._change(lambda: self._add_robot(robot, visuals))
+                    presence = self._present_added(robot)
                 except Exception:
                     robot.close()
                     raise
-                stopped = self._recovery.was_stopped(robot.namespace)
-                if stopped:
-                    robot.request_e_stop(True)
-                self._presences = (*self._presences, self._present(robot, stopped))
+                self._presences = (*self._presences, presence)
         except (ConfigError, UrdfError, WorldError) as error:
             rospy.logwarn("sim/add_robot: %s: %s", name, error)
             return AddRobotResponse(success=False, message=str(error))
@@ -361,6 +359,17 @@ class SimulatorNode:
             # Messages may have waited for it, and count as new: who streams has to begin anew.
             self._after_reset()
         rospy.loginfo("robot %s: added in %.3f s", robot.model, stood)
+
+    def _present_added(self, robot: Robot) -> RobotPresence:
+        """Open the topics of a robot that was added; where that fails, it is taken out again."""
+        stopped = self._recovery.was_stopped(robot.namespace)
+        if stopped:
+            robot.request_e_stop(True)
+        try:
+            return self._present(robot, stopped)
+        except Exception:
+            self._change(lambda: self._remove_robot(robot))
+            raise
 
     def _on_remove_robot(self, request: Any) -> RemoveRobotResponse:
         name = rospy.resolve_name(request.name).rstrip("/")
