@@ -17,6 +17,7 @@ from telex_sim.scene.addresses import resolve_address
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 
 SECOND = "/second"
+HOT = "objects: [{type: source_capsule, position: [3.0, 0.0, 0.0], activity: 3.7e13}]\n"
 
 
 class Station:
@@ -85,3 +86,22 @@ def test_a_robot_whose_topics_cannot_be_opened_is_taken_out_again(station, monke
     assert station.models == ["telex", "second"]
     assert station.remove(SECOND).success
     assert station.models == ["telex"]
+
+
+def test_cameras_are_looked_for_at_each_start_and_never_by_the_loop(station, monkeypatch):
+    import rospy
+
+    get_param, asked = rospy.get_param, []
+
+    def noted(name, *default):
+        asked.append((name, threading.current_thread()))
+        return get_param(name, *default)
+
+    monkeypatch.setattr(rospy, "get_param", noted)
+    assert station.add(SECOND).success
+    for start in (lambda: station.load_scene(HOT), station.reset):
+        asked.clear()
+        start()
+        names = [name for name, _ in asked]
+        assert names == ["/telex/cameras/cameras", f"{SECOND}/cameras/cameras"]
+        assert station.loop not in [thread for _, thread in asked]

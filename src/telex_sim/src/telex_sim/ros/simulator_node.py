@@ -142,7 +142,7 @@ class SimulatorNode:
         self._services: List[Any] = [
             rospy.Service("sim/pause", Empty, lambda _: self._empty(self._pause)),
             rospy.Service("sim/unpause", Empty, lambda _: self._empty(self._unpause)),
-            rospy.Service("sim/reset", Empty, lambda _: self._empty(self._reset)),
+            rospy.Service("sim/reset", Empty, self._on_reset),
             rospy.Service("sim/bookmark", Bookmark, self._on_bookmark),
             rospy.Service("sim/restore", Restore, self._on_restore),
             rospy.Service("sim/list_bookmarks", ListBookmarks, self._on_list_bookmarks),
@@ -174,6 +174,14 @@ class SimulatorNode:
     def _empty(self, action: Callable[[], None]) -> EmptyResponse:
         self._requests.carry_out(action)
         return EmptyResponse()
+
+    def _on_reset(self, _request: Any) -> EmptyResponse:
+        self._find_cameras()
+        return self._empty(self._reset)
+
+    def _find_cameras(self) -> None:
+        for presence in self._presences:
+            presence.radiation.find_cameras()
 
     def _on_step(self, request: Any) -> StepResponse:
         steps = request.steps or 1
@@ -261,6 +269,7 @@ class SimulatorNode:
         try:
             with self._spawning:
                 planned = self._rehearsal.scene(request.world, self._figures())
+                self._find_cameras()
                 self._change(lambda: done.append(self._load_scene(planned)))
         except (ConfigError, SceneError) as error:
             rospy.logwarn("sim/load_scene: %s", error)

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import http.client
+from typing import Any
+from xml.parsers.expat import ExpatError
+from xmlrpc.client import Error
+
 import rospy
 from telex_msgs.msg import CameraRadiation, ComponentDoses, Dosimeter
 
@@ -14,15 +19,17 @@ from ...robot.robot import Robot
 class RadiationPublisher:
     """Publishes what a robot is exposed to; in the simulation's thread.
 
-    The cameras are those of the robot's node ``cameras``, by its parameters.
+    The cameras are those of the robot's node ``cameras``, by its parameters, from the first start
+    on after they were read.
     """
 
     def __init__(self, robot: Robot) -> None:
         namespace = robot.namespace
         self._robot = robot
-        self._exposure = Exposure(
-            robot, lambda: rospy.get_param(f"{namespace}/cameras/cameras", {})
-        )
+        # Replaced as a whole, never changed: the loop reads it without a lock.
+        self._described: Any = {}
+        self.find_cameras()
+        self._exposure = Exposure(robot, lambda: self._described)
         robot.watchers = (*robot.watchers, self._exposure)
         self._starts = -1
         self._tells = False
@@ -32,6 +39,17 @@ class RadiationPublisher:
             f"{namespace}/cameras/radiation", CameraRadiation, queue_size=1, latch=True
         )
         self._doses = rospy.Publisher(f"{namespace}/sim/doses", ComponentDoses, queue_size=1)
+
+    def find_cameras(self) -> None:
+        """Read the parameters of the robot's cameras; where that fails, those known last count.
+
+        In a thread of ROS: the loop cannot wait for a master.
+        """
+        name = f"{self._robot.namespace}/cameras/cameras"
+        try:
+            self._described = rospy.get_param(name, {})
+        except (OSError, Error, ExpatError, http.client.HTTPException) as error:
+            rospy.logwarn("%s cannot be read: %s; the cameras known last count", name, error)
 
     def publish(self, simulation: Simulation, stamp: rospy.Time) -> None:
         """Expose the robot to the field until now; every second time, and at a start, tell it."""
