@@ -266,7 +266,7 @@ def test_a_malfunction_is_injected_now_or_at_the_next_step_and_ended(played, pag
     active = {**frozen, "group": "camera"}
     played.hear("sim/malfunctions", {"active": [active], "possible": [FROZEN, WEAK]})
     assert page.text("malfunction-note") == "1 active"
-    assert "front frozen, silent" in page.text("malfunction-active")
+    assert "front: frozen, silent" in page.text("malfunction-active")
     page.element("#malfunction-active button").click()
     wait_until(lambda: played.asked() == [["/telex/sim/malfunction", {**frozen, "on": False}]])
     played.hear("sim/malfunctions", {"active": [], "possible": [FROZEN, WEAK]})
@@ -282,7 +282,7 @@ def test_a_malfunction_is_injected_now_or_at_the_next_step_and_ended(played, pag
     assert not page.element("#malfunction-next").is_enabled()
     played.state()
     page.element("#malfunction-next").click()
-    assert "elbow_joint weak, at the next step" in page.text("malfunction-active")
+    assert "elbow_joint: weak, at the next step" in page.text("malfunction-active")
     played.state()
     assert played.asked() == []
     played.state(steps_done=[True, False])

@@ -1061,7 +1061,7 @@ export const DE = {
   "approach": "Anfahrt",
   "climb": "Aufstieg",
   "descend": "Abstieg",
-  "folded": "eingeklappt",
+  "folded": "geklappt",
   "front left flipper up": "vorderer linker Flipper auf",
   "front left flipper down": "vorderer linker Flipper ab",
   "front right flipper up": "vorderer rechter Flipper auf",

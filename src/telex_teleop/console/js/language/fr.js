@@ -924,7 +924,7 @@ export const FR = {
   "JOINT": "AXE",
   "CARTESIAN": "CARTÉSIEN",
   "What is near slows and stops the arm": "Un obstacle proche ralentit et arrête le bras",
-  "guard": "anticollision",
+  "guard": "protection",
   "Along whose axes the tool moves": "Repère des mouvements de l’outil",
   "The tool keeps its place in the world while you drive": "L’outil maintient sa position pendant la conduite",
   "hold": "maintenir",
