@@ -11,6 +11,7 @@ from replay_drill import drill, record
 from rospy.impl.tcpros_base import TCPROSTransport
 from waiting import wait_until
 
+from telex_training.recording.writer import RecordingError
 from telex_training.replay.cameras import OUTSIDE
 from telex_training.replay.replay import Replay
 from telex_training.ros.replay import drawing
@@ -117,3 +118,20 @@ def test_it_is_told_when_what_draws_ends_or_sends_nothing(parts, monkeypatch):
     ask(made, replay, pictures)
     assert "what draws has ended" in str(pictures[1])
     assert cameras.poses == []
+
+
+def test_what_cannot_be_set_as_parameters_is_told_of_the_recording(parts, monkeypatch):
+    made, _, replay = parts
+
+    def refuse(_config):
+        raise OverflowError("int exceeds XML-RPC limits")
+
+    monkeypatch.setattr(made._process, "require", refuse)
+    moment = replay.timeline.at(0)
+    for draw in (
+        lambda: made.start(replay),
+        lambda: made.place(replay, moment),
+        lambda: made.picture(replay, moment, OUTSIDE),
+    ):
+        with pytest.raises(RecordingError, match=r"t1\.mcap: it cannot be drawn: OverflowError"):
+            draw()

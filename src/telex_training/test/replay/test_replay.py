@@ -412,6 +412,13 @@ class TestWhatIsNotAsItWas:
         with pytest.raises(RecordingError, match=name.split(".")[0] + "|UTF-8|JSON"):
             Replay.open(path, {})
 
+    @pytest.mark.parametrize("name", ["cameras.json", "meshes.json", "sheet.json"])
+    def test_an_attachment_that_is_too_deep_is_refused(self, tmp_path, name):
+        changes = {name: Attachment("text/json", b"[" * 100_000)}
+        path = record(tmp_path / "t1.mcap", drill().entries, changes)
+        with pytest.raises(RecordingError, match=r"t1\.mcap: it cannot be shown"):
+            Replay.open(path, {})
+
     def test_a_sample_that_makes_no_sense_is_left_out(self, tmp_path):
         trial = drill()
         count = sum(entry.channel == "sim/truth" for entry in trial.entries)

@@ -11,12 +11,14 @@ from pathlib import Path
 import pytest
 import simplejpeg
 from own_ros import NodeProcess, Topics
-from replay_drill import drill, failing, record, record_faster
+from replay_drill import CAMERAS, drill, failing, record, record_faster
 from telex_msgs.msg import SceneLight
 from training_truth import serialized
 from waiting import wait_until
 
+from telex_training.recording.trial_file import CAMERAS as CAMERAS_JSON
 from telex_training.recording.trial_file import EXPERTS, expert_path
+from telex_training.recording.writer import Attachment
 from telex_training.replay.replay import Replay
 
 pytestmark = [pytest.mark.ros, pytest.mark.waiting]
@@ -82,6 +84,11 @@ def station(master, tmp_path_factory):
     dark.feed("sim/light", "telex_msgs/SceneLight", serialized(SceneLight(0.02, 1.0)))
     dark.seconds(1.0)
     record(folder / "t4.mcap", dark.entries)
+    huge = json.loads(json.dumps(CAMERAS))
+    # A number that no parameter can carry.
+    huge["cameras"]["front"]["far"] = 2**40
+    cameras = Attachment("application/json", json.dumps(huge).encode())
+    record(folder / "t5.mcap", drill().entries, {CAMERAS_JSON: cameras})
     record_faster(folder / "t9.mcap")
     record_faster(expert_path(folder, "drill", "standard"))
     (folder / "broken.mcap").write_bytes(b"no recording")
@@ -136,6 +143,18 @@ class TestServices:
         answer = station.open(trial)
         assert not answer.success
         assert why in answer.message
+
+    def test_what_cannot_be_drawn_is_told_and_ends_nothing(self, station):
+        answer = station.open("t5")
+        assert not answer.success
+        assert "it cannot be drawn" in answer.message
+        assert not station.seek(1.0, 1.0).success
+        status, body, _ = station.ask("api/trial/t5", name="ann")
+        assert status == 422
+        assert b"it cannot be drawn" in body
+        assert station.ask("api/picture/t5", name="ann")[0] == 422
+        assert station.open("t1").success
+        assert station.seek(0.0, 8.0).success
 
     def test_there_is_no_clock(self, station):
         import rospy

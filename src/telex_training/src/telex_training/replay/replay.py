@@ -148,7 +148,15 @@ class Replay:
         ------
         RecordingError
         """
-        return cls(read_recording(path), cameras)
+        recording = read_recording(path)
+        try:
+            return cls(recording, cameras)
+        except RecordingError:
+            raise
+        except Exception as error:  # content that is malformed raises whatever it leads to
+            raise RecordingError(
+                f"{path}: it cannot be shown: {type(error).__name__}: {error}"
+            ) from error
 
     def _cameras(self, recording: Recording, others: Mapping[str, Any]) -> Mapping[str, Any]:
         found = _struct(recording, CAMERAS)

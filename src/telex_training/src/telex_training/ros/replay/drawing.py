@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 import time
-from typing import Callable, Dict, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Callable, Dict, Iterator, NamedTuple, Optional, Sequence, Set, Tuple
 
 import rospy
 from sensor_msgs.msg import CompressedImage, JointState
@@ -17,6 +18,7 @@ from telex_control.ros.rospy_fixes.connections import has_answer
 from telex_sim.cameras.cameras_config import ORBIT, ViewConfig
 from telex_sim.cameras.ros.overview_rig import OverviewRig
 
+from ...recording.writer import RecordingError
 from ...replay.cameras import OUTSIDE, replay_config
 from ...replay.ghost import Ghost
 from ...replay.replay import MetricCondition, Replay
@@ -36,6 +38,26 @@ _USUAL_VIEW = ViewConfig(mode=ORBIT, azimuth=2.6, elevation=0.5, distance=4.0)
 
 class DrawingError(RuntimeError):
     """There is no picture; the message says why."""
+
+
+@contextlib.contextmanager
+def _showing(replay: Replay) -> Iterator[None]:
+    """Say of what fails that the recording cannot be drawn.
+
+    Raises
+    ------
+    DrawingError, RecordingError
+    """
+    try:
+        yield
+    except DrawingError:
+        raise
+    except Exception as error:  # content that is malformed raises whatever it leads to
+        if rospy.is_shutdown():
+            raise
+        raise RecordingError(
+            f"{replay.path}: it cannot be drawn: {type(error).__name__}: {error}"
+        ) from error
 
 
 class _Shown(NamedTuple):
@@ -90,14 +112,26 @@ class Drawing:
         )
 
     def start(self, replay: Replay) -> None:
-        """Start what draws, so that the first picture comes sooner."""
-        with self._turn:
+        """Start what draws, so that the first picture comes sooner.
+
+        Raises
+        ------
+        RecordingError
+            It cannot be drawn.
+        """
+        with self._turn, _showing(replay):
             self._prepare(replay, replay.timeline.at(0))
             self._drawn_at = time.monotonic()
 
     def place(self, replay: Replay, moment: Moment) -> None:
-        """Publish scene, poses, joints, lamps and what fails at a moment, whoever listens."""
-        with self._turn:
+        """Publish scene, poses, joints, lamps and what fails at a moment, whoever listens.
+
+        Raises
+        ------
+        RecordingError
+            It cannot be drawn.
+        """
+        with self._turn, _showing(replay):
             self._prepare(replay, moment)
             self._publish_equipment(replay, moment)
             self._publish_poses(replay, moment)
@@ -132,9 +166,9 @@ class Drawing:
 
         Raises
         ------
-        DrawingError
+        DrawingError, RecordingError
         """
-        with self._turn:
+        with self._turn, _showing(replay):
             time.sleep(max(0.0, min(spacing, self._drawn_at + spacing - time.monotonic())))
             self._view = view or self._view
             self._prepare(replay, moment, ghost)

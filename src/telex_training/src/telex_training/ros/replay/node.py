@@ -126,8 +126,15 @@ class ReplayNode:
         except ValueError as error:
             return SeekReplayResponse(message=str(error))
         with self._lock:
-            self._time, self._speed = moment.time, request.speed
-        self._drawing.place(replay, moment)
+            self._time, self._speed = moment.time, 0.0
+        try:
+            self._drawing.place(replay, moment)
+        except RecordingError as error:
+            self._tell()
+            return SeekReplayResponse(message=str(error))
+        with self._lock:
+            if self._replay is replay:
+                self._speed = request.speed
         self._tell()
         self._wake.set()
         return SeekReplayResponse(success=True, time=moment.time)
@@ -171,7 +178,14 @@ class ReplayNode:
             at, ended = self._time, self._time >= replay.timeline.duration
             if ended:
                 self._speed = 0.0
-        self._drawing.place(replay, replay.timeline.moment(at))
+        try:
+            self._drawing.place(replay, replay.timeline.moment(at))
+        except RecordingError as error:
+            rospy.logerr("replay: %s", error)
+            ended = True
+            with self._lock:
+                if self._replay is replay:
+                    self._speed = 0.0
         if ended:
             self._tell()
         return not ended

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import functools
 import math
 from pathlib import Path
-from typing import Any, Callable, Optional
+from typing import Any, Callable, Iterator, Optional
 
 from aiohttp import web
 
@@ -87,7 +88,8 @@ class ReplayPages(PageServer):
         found = await self._permitted(request)
         replay = found.replay
         # What draws needs seconds to start.
-        about, _ = await asyncio.gather(aside(replay.about), aside(self._drawing.start, replay))
+        with _readable():
+            about, _ = await asyncio.gather(aside(replay.about), aside(self._drawing.start, replay))
         return web.json_response({**about, "problems": found.problems})
 
     async def _picture(self, request: web.Request) -> web.Response:
@@ -122,7 +124,8 @@ class ReplayPages(PageServer):
             async with self._turn:
                 if request.transport is None:
                     raise web.HTTPServiceUnavailable(text="Nobody waits for it any more.\n")
-                data = await aside(draw, replay, drawn, name, view, spacing)
+                with _readable():
+                    data = await aside(draw, replay, drawn, name, view, spacing)
         except DrawingError as error:
             raise web.HTTPGatewayTimeout(text=f"{error}\n") from None
         if ghost is not None:
@@ -142,15 +145,14 @@ class ReplayPages(PageServer):
         if not ghost:
             return None
         try:
-            found: Ghost = await aside(
-                self._ghosts.open, replay, ghost, name_of(request), instructs(request)
-            )
+            with _readable():
+                found: Ghost = await aside(
+                    self._ghosts.open, replay, ghost, name_of(request), instructs(request)
+                )
         except NotHereError:
             raise web.HTTPNotFound(text=_NOT_HERE) from None
         except GhostError as error:
             raise web.HTTPBadRequest(text=f"{error}\n") from None
-        except RecordingError as error:
-            raise web.HTTPUnprocessableEntity(text=f"{error}\n") from None
         return found
 
     async def _take_note(self, request: web.Request) -> web.Response:
@@ -184,12 +186,20 @@ class ReplayPages(PageServer):
             raise web.HTTPConflict(text=_BUSY)
         trial, name = request.match_info["trial"], name_of(request)
         try:
-            found: Open = await aside(self._shelf.permitted, trial, name, instructor)
+            with _readable():
+                found: Open = await aside(self._shelf.permitted, trial, name, instructor)
         except NotHereError:
             raise web.HTTPNotFound(text=_NOT_HERE) from None
-        except RecordingError as error:
-            raise web.HTTPUnprocessableEntity(text=f"{error}\n") from None
         return found
+
+
+@contextlib.contextmanager
+def _readable() -> Iterator[None]:
+    """Answer with what is wrong with a recording, where something is."""
+    try:
+        yield
+    except RecordingError as error:
+        raise web.HTTPUnprocessableEntity(text=f"{error}\n") from None
 
 
 def _view(query: Any) -> ViewConfig:
