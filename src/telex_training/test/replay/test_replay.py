@@ -10,8 +10,8 @@ import pytest
 from genpy import Time
 from replay_drill import CAMERAS, active, drill, failing, record
 from std_msgs.msg import Float64, String
-from telex_msgs.msg import ComponentDoses, Malfunctions, SceneLight
-from training_truth import serialized
+from telex_msgs.msg import ComponentDoses, Malfunctions, SceneLight, TruthContact, TruthSample
+from training_truth import GROUPS, serialized
 
 from telex_control.common.geometry.matrices import pose_matrices
 from telex_sim.offline.simulation import OfflineSimulation, robot_description
@@ -35,6 +35,18 @@ from telex_training.replay.scenery import base_of
 @pytest.fixture
 def replay(tmp_path):
     return Replay.open(record(tmp_path / "t1.mcap", drill().entries), {})
+
+
+def with_contact_of_nothing(data):
+    """A truth sample in which the tracks touch what has no name."""
+    message = TruthSample().deserialize(data)
+    message.contacts = [TruthContact(group=GROUPS.index("tracks"), object=32767, peak=1.0, steps=1)]
+    return serialized(message)
+
+
+def with_time_of_no_clock(data):
+    """A truth sample of a time that ROS does not have."""
+    return data[:4] + b"\xff" * 8 + data[12:]
 
 
 class TestPoses:
@@ -419,12 +431,23 @@ class TestWhatIsNotAsItWas:
         with pytest.raises(RecordingError, match=r"t1\.mcap: it cannot be shown"):
             Replay.open(path, {})
 
-    def test_a_sample_that_makes_no_sense_is_left_out(self, tmp_path):
+    @pytest.mark.parametrize(
+        "change",
+        [lambda data: b"short", with_contact_of_nothing, with_time_of_no_clock],
+        ids=["cut off", "object without a name", "time"],
+    )
+    @pytest.mark.parametrize("at", [0, -1])
+    def test_a_sample_that_makes_no_sense_is_left_out(self, tmp_path, change, at):
         trial = drill()
         count = sum(entry.channel == "sim/truth" for entry in trial.entries)
         made = list(trial.entries)
-        bad = next(i for i, entry in enumerate(made) if entry.channel == "sim/truth")
-        made[bad] = made[bad]._replace(data=b"short")
+        bad = [i for i, entry in enumerate(made) if entry.channel == "sim/truth"][at]
+        made[bad] = made[bad]._replace(data=change(made[bad].data))
         replay = Replay.open(record(tmp_path / "t1.mcap", made), {})
-        assert len(replay.timeline.times) == count - 1
+        timeline = replay.timeline
+        assert len(timeline.times) == count - 1
+        assert len(timeline.speed) == len(timeline.stamps) == count - 1
+        moment = timeline.at(count)
+        assert moment.row == len(moment.part) - 1
+        assert base_of(moment)
         assert any("1 entries" in each for each in replay.problems)

@@ -42,6 +42,8 @@ _HOLDS = 0.3
 """A command counts for so long (s): the watchdogs' 0.28 s and a sample."""
 _LONGEST_AGE = 60.0
 """Age of a picture (s) beyond which nothing is drawn of as long ago."""
+_TIMES_END = 2.0**32
+"""Of what a ROS time can be (s)."""
 
 
 class Moment(NamedTuple):
@@ -280,6 +282,11 @@ class Timeline:
         part = self._known.get(sample.revision)
         if part is None or part is not self._parts[-1]:
             return  # it was on its way when the names came
+        if sample.time >= _TIMES_END:
+            raise BadEntryError(f"its time is {sample.time} s; ROS has none from {_TIMES_END:g} s")
+        # Before anything is kept of it: of what has no name there is no force.
+        x, y = sample.twist[:2]
+        figures = math.hypot(x, y), _force(sample, part.names), sample.margin
         part.take(sample)
         # Where the simulator began anew, time goes on from where it was.
         if sample.time + self._offset < self._now - 1.0:
@@ -287,8 +294,7 @@ class Timeline:
         self._now = max(self._now, sample.time + self._offset)
         self._times.append(self._now)
         self._stamps.append(round(sample.time * 1e9))
-        x, y = sample.twist[:2]
-        self._figures.append((math.hypot(x, y), _force(sample, part.names), sample.margin))
+        self._figures.append(figures)
 
     def _take_light(self, entry: Entry) -> None:
         message = decode(entry, "telex_msgs/SceneLight")
