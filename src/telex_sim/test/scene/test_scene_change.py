@@ -181,17 +181,63 @@ def test_a_further_robot_finds_room_beside_the_start_of_each_scene(robot, urdf, 
     assert where(tested) == pytest.approx((-1.8, 0.0), abs=1e-6)
 
 
+def cell():
+    """Walls that leave room for one robot."""
+    return [
+        *(wall("left", 0.0, 0.8, 3.0), wall("right", 0.0, -0.8, 3.0)),
+        *(wall("front", 1.4, 0.0, width=1.4), wall("back", -1.2, 0.0, width=1.4)),
+    ]
+
+
 def test_a_scene_without_room_for_all_robots_is_refused(robot, urdf, scene):
     tested = robot()
     add_beside(tested, urdf)
     before = tested.simulation.link_poses()
-    cell = [
-        *(wall("left", 0.0, 0.8, 3.0), wall("right", 0.0, -0.8, 3.0)),
-        *(wall("front", 1.4, 0.0, width=1.4), wall("back", -1.2, 0.0, width=1.4)),
-    ]
     with pytest.raises(SceneError, match="robot 'second' finds no room beside the scene's start"):
-        change(tested, scene("cell", *cell))
+        change(tested, scene("cell", *cell()))
     assert tested.simulation.link_poses() == before
+
+
+def test_a_reset_that_leaves_no_room_puts_a_further_robot_where_there_is_some(
+    robot, urdf, scene, caplog
+):
+    tested = robot(world=scene("cell", *cell()))
+    simulation = tested.simulation
+    first, objects = simulation.body.base_pose(), simulation.objects.objects()
+    for name in ("left", "right", "front", "back"):
+        simulation.delete(name)
+    add_beside(tested, urdf)
+    assert where(tested) == pytest.approx((0.0, 1.3), abs=1e-6)
+    simulation.reset()
+    assert "robot 'second' finds no room beside the scene's start" in caplog.text
+    assert [each.name for each in simulation.objects.objects()] == [each.name for each in objects]
+    assert simulation.body.base_pose() == first
+    second = simulation.robots[1].body
+    assert simulation.world.overlap(second, 0.01) is None
+    placed = where(tested)
+    tested.run(0.5)
+    assert where(tested) == pytest.approx(placed, abs=0.02)
+    simulation.reset()
+    assert where(tested) == placed
+    assert simulation.body.base_pose() == first
+
+
+def test_a_reset_leaves_robots_apart_where_one_was_added_at_the_start_of_another(
+    robot, urdf, caplog
+):
+    tested = robot()
+    simulation = tested.simulation
+    pybullet.resetBasePositionAndOrientation(
+        simulation.body.uid, (5.0, 0.0, 0.12), (0, 0, 0, 1), simulation.world.client
+    )
+    place = [0.0, 0.0, simulation.config.start.height, 0.0]
+    config = shipped_config(model="second", start__place=place)
+    node = LocalNodeHandle({"robot_description": urdf}, "/second")
+    simulation.add_robot(simulation.plan_robot(config, urdf, node))
+    simulation.reset()
+    assert "robot 'second' would stand in robot 'telex'" in caplog.text
+    assert simulation.body.base_pose()[0][:2] == pytest.approx((0.0, 0.0), abs=1e-6)
+    assert where(tested) == pytest.approx((0.0, 1.3), abs=1e-6)
 
 
 def resident():

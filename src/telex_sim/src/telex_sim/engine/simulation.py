@@ -35,7 +35,7 @@ from ..scene.objects.places import steady
 from ..scene.planning import PlannedScene, Progress, plan_entry, plan_world
 from .phase_timer import PhaseTimer
 from .simulator_config import TUNED_PERIOD, RobotConfig, SimulatorConfig
-from .start_check import check_place, check_start, place_beside, start_in_scene
+from .start_check import check_place, check_start, move_aside, place_beside, start_in_scene
 from .world import Body, World, WorldError
 from .world_state import WorldState
 
@@ -181,8 +181,10 @@ class Simulation:
         a step, which with bodies in each other lasts for minutes: they are refused before.
         """
         self._load_scene()
-        for number, robot in enumerate(self.robots):
-            self._place(robot, self.robots[:number])
+        first, *others = self.robots
+        self._place(first, ())
+        for number, robot in enumerate(others, 1):
+            self._place_again(robot, self.robots[:number])
         self._name_bodies()
         bodies, objects = self._world_state().save_state(), self.objects.save_state()
         self._start = (self.structure, self.steps, bodies, objects)
@@ -213,6 +215,21 @@ class Simulation:
         there = {each.body.uid: each.model for each in others}
         place_beside(self.world, self.scene.start, there, load, f"robot '{robot.model}'")
 
+    def _place_again(self, robot: Robot, others: Sequence[Robot]) -> None:
+        """Put a further robot where `_place` does, or aside where something else stands by now."""
+        before = self.world.bodies()
+        try:
+            self._place(robot, others)
+            name = f"robot '{robot.model}'"
+            check_place(self.world, robot.body, self._owners(others), name)
+        except ConfigError as error:
+            self.world.remove_others(before)
+            start = self.scene.start
+            robot.place(self.world, start, self.objects.material)
+            move_aside(self.world, robot.body, start.yaw)
+            x, y, _ = robot.body.base_pose()[0]
+            _log.warning("%s; it begins at x %.1f, y %.1f", error, x, y)
+
     def _check_start(self) -> None:
         """Refuse a start that would throw objects or the robot; a reset leads back to it.
 
@@ -223,7 +240,7 @@ class Simulation:
         self.objects.check_room()
         if self.config.fixed_base:
             return
-        owners = self._owners()
+        owners = self._owners(self.robots)
         pose = self.config.start.pose_name(self.scene.start.pose)
         check_start(self.body, pose, lambda uid: owners.get(uid, "the floor"))
 
@@ -432,7 +449,7 @@ class Simulation:
         before = self.world.bodies()
         try:
             self._place(robot, self.robots)
-            check_place(self.world, robot.body, self._owners(), "it")
+            check_place(self.world, robot.body, self._owners(self.robots), "it")
         except (ConfigError, UrdfError, WorldError) as error:
             self.world.remove_others(before)
             raise ConfigError(str(error)) from error
@@ -464,10 +481,10 @@ class Simulation:
         there = ", ".join(robot.namespace for robot in self.robots[1:])
         raise ConfigError(f"name is '{name}'; robots that were added: {there or 'none'}")
 
-    def _owners(self) -> Dict[int, str]:
+    def _owners(self, robots: Sequence[Robot]) -> Dict[int, str]:
         """What each body is of, in the words of messages, by PyBullet's number; not the floor."""
-        robots = {each.body.uid: f"robot '{each.model}'" for each in self.robots}
-        return {**robots, **self.objects.owners()}
+        named = {each.body.uid: f"robot '{each.model}'" for each in robots}
+        return {**named, **self.objects.owners()}
 
     def _bodies_changed(self) -> None:
         for robot in self.robots:

@@ -25,6 +25,9 @@ _BESIDE = ((0.0, 1.3), (0.0, -1.3), (-1.8, 0.0), (0.0, 2.6), (0.0, -2.6), (-1.8,
 _FURTHER = ((-3.6, 0.0), (1.8, 1.3), (1.8, -1.3), (0.0, 3.9), (0.0, -3.9), (1.8, 0.0))
 """Places of further robots, the nearest first: m ahead of the scene's start, and to its left."""
 
+_FAR = tuple((0.0, 1.3 * side * 2**number) for number in range(2, 10) for side in (1, -1))
+"""Where else one may go that has to go somewhere."""
+
 _LENGTH, _WIDTH, _SPACING = 1.5, 0.9, 0.15
 """Of the ground that must be level and free for one (m), and between looks at it."""
 
@@ -89,6 +92,28 @@ def place_beside(
         f"{name} finds no room beside the scene's start; start/place (x, y, z, heading) says where "
         "it starts"
     )
+
+
+def move_aside(world: World, body: Body, yaw: float) -> None:
+    """Move a robot to the nearest place at its height where it stands in nothing.
+
+    Parameters
+    ----------
+    yaw : float
+        Direction (rad) that counts as ahead.
+    """
+    client = world.client
+    (x, y, z), orientation = pybullet.getBasePositionAndOrientation(
+        body.uid, physicsClientId=client
+    )
+    for ahead, left in (*_BESIDE, *_FURTHER, *_FAR):
+        dx, dy = _turned(yaw, ahead, left)
+        place = (x + dx, y + dy, z)
+        pybullet.resetBasePositionAndOrientation(
+            body.uid, place, orientation, physicsClientId=client
+        )
+        if world.overlap(body, _OVERLAP) is None:
+            return
 
 
 def _turned(yaw: float, ahead: float, left: float) -> Tuple[float, float]:
