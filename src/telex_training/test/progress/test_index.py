@@ -11,6 +11,7 @@ from recorded_trials import record, sheet
 from telex_training.progress.importing import KNOWN, NEW, NEWER, REFUSED, import_files
 from telex_training.progress.index import ProgressIndex, ProgressIndexError
 from telex_training.progress.trial_facts import MarkFacts, read_trial
+from telex_training.recording import signature, writer
 from telex_training.recording.amending import amend
 from telex_training.recording.writer import RecordingError
 
@@ -24,6 +25,19 @@ def index(tmp_path):
 
 def content(index):
     return index.people(), index.trials()
+
+
+def repetition(**changes):
+    """Changes of a sheet: its first repetition is another one."""
+    first, *others = sheet("t")["repetitions"]
+    return {"repetitions": [{**first, **changes}, *others]}
+
+
+class Late(writer.Writer):
+    """Writes messages of a time that no clock has come to."""
+
+    def add_message(self, *arguments, log_time, **others):
+        super().add_message(*arguments, log_time=2**64 - 1, **others)
 
 
 class TestReading:
@@ -92,6 +106,10 @@ class TestReading:
             ({"repetitions": [3]}, "repetitions[0]: a struct is needed"),
             ({"metrics": None}, "metrics: a list of at most"),
             ({"operator": "\ud800"}, "surrogates not allowed"),
+            (repetition(seconds=1e300), "repetitions[0]/seconds is 1e+300; at most 1e+06"),
+            (repetition(penalty=1e7), "repetitions[0]/penalty is 1e+07; at most 1e+06"),
+            (repetition(began=5e9), "repetitions[0]/began is 5e+09; at most"),
+            (repetition(metrics={"time": -1e300}), "metrics/time is -1e+300; at most 1e+12"),
         ],
     )
     def test_a_wrong_sheet_is_told_by_file_key_and_value(
@@ -105,8 +123,40 @@ class TestReading:
         assert message in str(caught.value)
         assert str(path) in str(caught.value)
 
+    def test_a_time_has_the_digits_of_a_sheet(self, tmp_path):
+        made = {**sheet("t"), **repetition(seconds=1e-300)}
+        assert read_trial(record(tmp_path, made=made)).repetitions[0].seconds == 0.0
+
+    def test_entries_of_an_exam_beyond_all_times_are_none(self, tmp_path, monkeypatch):
+        monkeypatch.setenv("ROS_HOME", str(tmp_path / "home"))
+        assert read_trial(record(tmp_path, mode="exam", signed=True)).flaw == ""
+        monkeypatch.setattr(writer, "Writer", Late)
+        path = record(tmp_path, "bob", mode="exam", signed=True)
+        assert read_trial(path).flaw == "changed: its entries are others"
+
+    def test_a_signature_with_a_text_that_is_none_is_none(self, tmp_path, monkeypatch):
+        monkeypatch.setenv("ROS_HOME", str(tmp_path / "home"))
+        monkeypatch.setattr(signature, "_hashes", lambda attached: {"\ud800": ""})
+        path = record(tmp_path, mode="exam", signed=True)
+        monkeypatch.undo()
+        assert read_trial(path).flaw == "changed: its signature.json is no signature"
+
 
 class TestRefreshing:
+    def test_whatever_one_file_leads_to_the_others_are_taken_in(self, index, monkeypatch):
+        record(index.folder)
+        broken = record(index.folder, "bob")
+
+        def read(path):
+            if path == broken:
+                raise KeyError("nobody has thought of this")
+            return read_trial(path)
+
+        monkeypatch.setattr("telex_training.progress.index.read_trial", read)
+        (problem,) = index.refresh()
+        assert problem == f"{broken}: KeyError: 'nobody has thought of this'"
+        assert [each.operator for each in index.trials()] == ["ann"]
+
     def test_deleted_it_is_made_anew(self, index):
         record(index.folder)
         record(index.folder, "bob")

@@ -20,7 +20,7 @@ from telex_training.progress.reports.class_report import (
     comparison_report,
 )
 from telex_training.progress.reports.person_report import person_report
-from telex_training.progress.reports.svg_figures import nice_step
+from telex_training.progress.reports.svg_figures import learning_figure, nice_step
 from telex_training.progress.skill import decision, skills
 from telex_training.progress.trial_facts import read_trial
 
@@ -52,6 +52,13 @@ class TestSkill:
         assert skill.reliability == reliability_bound(5, 1)
         # 60 / the mean time, to 60 / 10 s of the expert
         assert skill.proficiency == pytest.approx(10.0 / 29.0)
+        assert skill.curve is None
+
+    def test_times_however_far_apart_have_a_curve(self, trials):
+        (skill,) = skills(trials(times=[(1e-4, True)] * 3 + [(1e6, True)] * 3))
+        assert all(0.0 <= each.high < 1e60 for each in skill.curve)
+        learning_figure(skill.times, skill.curve)
+        (skill,) = skills(trials(times=[(1e-300, True)] * 6))
         assert skill.curve is None
 
     def test_from_six_completed_repetitions_on_there_is_a_curve(self, trials):
@@ -267,3 +274,6 @@ class TestReports:
     )
     def test_axes_have_round_marks(self, span, step):
         assert nice_step(span, 5) == pytest.approx(step)
+
+    def test_times_of_nothing_can_be_drawn(self):
+        assert ">0<" in learning_figure([0.0, 0.0], None)

@@ -14,6 +14,8 @@ from .stats import CONFIDENCE
 FORMAT = 1
 DIGITS = 4
 """Behind the point; of what a machine computes a little differently nothing is left."""
+MOST_SECONDS = 1e6
+"""Of a repetition, and of its penalties, in a sheet that is believed (s)."""
 PASSED, FAILED = "passed", "failed"
 
 

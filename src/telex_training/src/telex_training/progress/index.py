@@ -22,7 +22,7 @@ from ..recording.writer import RecordingError
 from .trial_facts import MarkFacts, MetricFacts, RepetitionFacts, TrialFacts, read_trial
 
 FILE = "progress.sqlite"
-VERSION = 3
+VERSION = 4
 _PATIENCE = 30.0
 """Wall time for which another process may hold the index (s)."""
 
@@ -216,6 +216,8 @@ class ProgressIndex:
             problem = ""
         except RecordingError as error:
             facts, problem = None, str(error)
+        except Exception as error:  # what one file leads to must not keep out all others
+            facts, problem = None, f"{self.folder / name}: {type(error).__name__}: {error}"
         if facts is not None:
             other = base.execute(
                 "SELECT file FROM trials WHERE trial = ?", (facts.trial,)

@@ -14,7 +14,7 @@ from telex_control.common.params import ConfigError, read_struct, read_value, re
 
 from ..exercises.metric_kinds import KINDS
 from ..exercises.model import EXAM
-from ..judging.sheet import FORMAT, PASSED, sheet_text
+from ..judging.sheet import DIGITS, FORMAT, MOST_SECONDS, PASSED, sheet_text
 from ..judging.stats import raw_tlx
 from ..plain_data import require_text
 from ..recording.reader import read_recording
@@ -24,6 +24,10 @@ from ..recording.writer import PROFILE, RecordingError
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,199}")
 _MOST_REPETITIONS = 10_000
+_MOST_BEGAN = 2.0**32
+"""Sim time (s) at which a repetition can begin: what a ROS time can be."""
+_MOST_FIGURE = 1e12
+"""Figure of a metric, in whatever unit."""
 
 
 @dataclass(frozen=True)
@@ -276,7 +280,29 @@ def _repetition(given: Any, where: str) -> RepetitionFacts:
     keys = ("began", "seconds", "penalty", "completed", "passed", "metrics")
     fields = {key: _at(given, key, where) for key in keys}
     fault = _at(given, "fault", where)
-    return read_struct(RepetitionFacts, {**fields, "fault": "" if fault is None else fault}, where)
+    made = read_struct(RepetitionFacts, {**fields, "fault": "" if fault is None else fault}, where)
+    return replace(
+        made,
+        began=_bounded(made.began, _MOST_BEGAN, f"{where}/began"),
+        seconds=_bounded(made.seconds, MOST_SECONDS, f"{where}/seconds"),
+        penalty=_bounded(made.penalty, MOST_SECONDS, f"{where}/penalty"),
+        metrics={
+            name: _figure(value, f"{where}/metrics/{name}") for name, value in made.metrics.items()
+        },
+    )
+
+
+def _bounded(value: float, most: float, name: str) -> float:
+    """Return a number with the digits that sheets have.
+
+    Below 0 is what a simulator that began anew has left of an invalid trial.
+    """
+    require(abs(value) <= most, f"{name} is {value:g}; at most {most:g} is possible")
+    return round(value, DIGITS)
+
+
+def _figure(value: Optional[float], name: str) -> Optional[float]:
+    return None if value is None else _bounded(value, _MOST_FIGURE, name)
 
 
 def _metric(given: Any, where: str) -> MetricFacts:
@@ -287,7 +313,13 @@ def _metric(given: Any, where: str) -> MetricFacts:
         expert = read_value(List[float], expert, f"{where}/expert")
     fields["bound"] = _at(given, "pass", where)
     fields["expert"] = expert[0] if expert else None
-    return read_struct(MetricFacts, fields, where)
+    made = read_struct(MetricFacts, fields, where)
+    return replace(
+        made,
+        value=_figure(made.value, f"{where}/value"),
+        bound=_figure(made.bound, f"{where}/pass"),
+        expert=_figure(made.expert, f"{where}/expert"),
+    )
 
 
 def _mark(given: Any, where: str) -> MarkFacts:

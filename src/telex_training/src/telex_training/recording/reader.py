@@ -16,6 +16,8 @@ from .writer import PROFILE, Attachment, RecordingError, RecordingWriter
 
 MOST_BYTES = 4 * 2**30
 """Size of a recording that is read; four days of training are shorter."""
+_TIMES_END = 2**63
+"""Of the times of entries (ns): those beyond it are no times, and no float has each of them."""
 _MOST_RECORD = 64 * 2**20
 """Bytes of a record, and of a chunk once it is unpacked."""
 
@@ -93,7 +95,7 @@ def _read(path: Path, file: BinaryIO) -> Recording:
             channels[record.id] = record
         elif isinstance(record, Message):
             channel = channels.get(record.channel_id)
-            if channel is None or channel.schema_id not in kinds:
+            if channel is None or channel.schema_id not in kinds or record.log_time >= _TIMES_END:
                 break
             kind = kinds[channel.schema_id]
             time = record.log_time / 1e9

@@ -110,7 +110,7 @@ def learning_figure(
         The expert's time (s).
     """
     # A band that is wide at its beginning must not press the times down.
-    highest = max([*times, expert or 0.0, *([curve[-1].high] if curve else [])])
+    highest = max([*times, expert or 0.0, *([curve[-1].high] if curve else [])]) or 1.0
     last = curve[-1].number if curve else len(times)
     plot = _Plot((0.5, last + 0.5), (0.0, 1.08 * highest))
     plot.y_axis("s")
