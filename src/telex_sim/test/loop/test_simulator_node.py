@@ -37,7 +37,11 @@ class Station:
             RosNodeHandle("/telex"),
             lambda address: resolve_address(address, package_path),
         )
-        recovery = CrashRecovery(RunMemory(str(folder / "memory.json")))
+        # The one before has crashed, while a further robot was stopped.
+        memory = RunMemory(str(folder / "memory.json"))
+        memory.keep(steps=0, e_stop=False, resets=0, stopped=[SECOND])
+        recovery = CrashRecovery(memory)
+        recovery.restore(self.simulation)
         self.node = SimulatorNode(self.simulation, recovery, paused=True)
         self.loop = threading.Thread(target=self.node.run, name="loop")
         self.loop.start()
@@ -84,6 +88,7 @@ def test_a_robot_whose_topics_cannot_be_opened_is_taken_out_again(station, monke
     assert station.models == ["telex"]
     assert station.add(SECOND).success
     assert station.models == ["telex", "second"]
+    assert station.simulation.robots[1].e_stop_wanted
     assert station.remove(SECOND).success
     assert station.models == ["telex"]
 

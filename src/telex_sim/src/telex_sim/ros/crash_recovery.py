@@ -56,6 +56,10 @@ class CrashRecovery:
         self._stopped.discard(namespace)
         return True
 
+    def keep_stopped(self, namespace: str) -> None:
+        """Have a further robot that was stopped, and could not stay, be so when it comes again."""
+        self._stopped.add(namespace)
+
     def note(self, simulation: Simulation, resets: int) -> None:
         """Keep the present state, where it is not that of just now; to be called often."""
         first, *others = simulation.robots

@@ -378,6 +378,8 @@ class SimulatorNode:
             return self._present(robot, stopped)
         except Exception:
             self._change(lambda: self._remove_robot(robot))
+            if stopped:
+                self._recovery.keep_stopped(robot.namespace)
             raise
 
     def _on_remove_robot(self, request: Any) -> RemoveRobotResponse:
