@@ -97,6 +97,7 @@ def sheet(
         "ended": "complete",
         "trial_seconds": 60.0,
         "repetitions": repetitions,
+        "summary": {"completed": sum(seconds > 0.0 for seconds, _ in times)},
         "metrics": [
             metric("time", "s", 30.0),
             metric("contacts", "", 0.0),

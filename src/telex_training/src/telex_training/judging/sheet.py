@@ -19,6 +19,50 @@ MOST_SECONDS = 1e6
 PASSED, FAILED = "passed", "failed"
 
 
+_MISSING = object()
+_NUMBER = (int, float)
+_KEYS: Mapping[str, Any] = {
+    "trial": str,
+    "operator": str,
+    "mode": str,
+    "valid": bool,
+    "verdict": str,
+    "summary": dict,
+    "exercise": dict,
+    "repetitions": list,
+}
+_OF_EXERCISE: Mapping[str, Any] = {"name": str, "setting": str, "seed": (int, type(None))}
+_OF_REPETITION: Mapping[str, Any] = {
+    "began": _NUMBER,
+    "seconds": _NUMBER,
+    "penalty": _NUMBER,
+    "completed": bool,
+    "fault": (str, type(None)),
+    "passed": bool,
+    "metrics": dict,
+}
+
+
+def is_sheet(content: Any) -> bool:
+    """Whether plain data is a sheet: it has all that lists and tables of sheets are made of."""
+    return (
+        _has(content, _KEYS)
+        and content.get("format") == FORMAT
+        and _has(content["exercise"], _OF_EXERCISE)
+        and all(
+            _has(each, _OF_REPETITION)
+            and max(abs(each["seconds"]), abs(each["penalty"])) <= MOST_SECONDS
+            for each in content["repetitions"]
+        )
+    )
+
+
+def _has(content: Any, kinds: Mapping[str, Any]) -> bool:
+    return isinstance(content, dict) and all(
+        isinstance(content.get(key, _MISSING), kind) for key, kind in kinds.items()
+    )
+
+
 def rounded(value: Any) -> Any:
     """Copy plain data with its numbers rounded; what is not finite becomes null."""
     if isinstance(value, bool) or value is None:

@@ -18,7 +18,7 @@ from ..exercises.exercise_file import ExerciseError, parse_exercise
 from ..exercises.model import Exercise
 from ..judging.entries import INPUTS, Entry, json_of
 from ..judging.judge import Judge
-from ..judging.sheet import FORMAT
+from ..judging.sheet import is_sheet, sheet_text
 from ..judging.workload import INPUT as TLX
 from ..judging.workload import workload_of
 from .reader import Recording, read_recording
@@ -174,14 +174,27 @@ def judged(recording: Recording) -> Judge:
 
 
 def read_sheet(path: Path) -> Optional[Dict[str, Any]]:
-    """Read the sheet that a closed recording ends with; None: there is none."""
+    """Read the sheet that a closed recording ends with; None: there is none.
+
+    Nor is there where something is missing of it, or where it could not be sent as JSON.
+    """
+    try:
+        made: Dict[str, Any] = json.loads(_indexed_sheet(path) or b"null")
+        if is_sheet(made):
+            sheet_text(made).encode()
+            return made
+    except (ValueError, RecursionError):
+        return None
+    return None
+
+
+def _indexed_sheet(path: Path) -> Optional[bytes]:
+    """Bytes of the sheet that a file's index leads to; None: to none."""
     try:
         with path.open("rb") as file:
             for attachment in make_reader(file).iter_attachments():
                 if attachment.name == SHEET:
-                    made = json.loads(attachment.data)
-                    known = isinstance(made, dict) and made.get("format") == FORMAT
-                    return made if known else None
+                    return bytes(attachment.data)
     except Exception:  # damaged bytes raise whatever they lead the reader to
         return None
     return None
@@ -203,7 +216,7 @@ def signature_of(path: Path, keys: Mapping[str, str]) -> Signature:
     recording = read_recording(path)
     found = verified(recording, keys)
     # What shows sheets finds them by the file's index, which must not lead elsewhere.
-    if found.key and read_sheet(path) != json.loads(attached_text(recording, SHEET)):
+    if found.key and _indexed_sheet(path) != attached_text(recording, SHEET).encode():
         return Signature(CHANGED, reason=f"its index leads to another '{SHEET}'")
     return found
 
