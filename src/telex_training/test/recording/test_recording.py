@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from std_msgs.msg import String
 
 from telex_training.judging.entries import Entry
+from telex_training.recording import reader
 from telex_training.recording import writer as writing
 from telex_training.recording.inbox import Inbox
 from telex_training.recording.reader import read_recording, repair
@@ -219,6 +220,16 @@ class TestBrokenRecordings:
         path = tmp_path / "a.mcap"
         path.write_bytes(content)
         with pytest.raises(RecordingError, match="a.mcap: it is no recording"):
+            read_recording(path)
+
+    def test_one_that_unpacks_to_more_than_is_read_is_refused(self, tmp_path, monkeypatch):
+        path, made = tmp_path / "a.mcap", entries(10)
+        record(path, made)
+        size = sum(len(entry.data) for entry in made)
+        monkeypatch.setattr(reader, "MOST_UNPACKED", size)
+        assert len(read_recording(path).entries) == 10
+        monkeypatch.setattr(reader, "MOST_UNPACKED", size - 1)
+        with pytest.raises(RecordingError, match=rf"a\.mcap: .* more than the {size - 1} bytes"):
             read_recording(path)
 
     def test_a_missing_file_is_named(self, tmp_path):

@@ -16,6 +16,8 @@ from .writer import PROFILE, Attachment, RecordingError, RecordingWriter
 
 MOST_BYTES = 4 * 2**30
 """Size of a recording that is read; four days of training are shorter."""
+MOST_UNPACKED = 4 * 2**30
+"""Bytes of all entries of a recording, once they are unpacked."""
 _TIMES_END = 2**63
 """Of the times of entries (ns): those beyond it are no times, and no float has each of them."""
 _MOST_RECORD = 64 * 2**20
@@ -72,6 +74,7 @@ def _read(path: Path, file: BinaryIO) -> Recording:
     attachments: Dict[str, Attachment] = {}
     repeated: List[str] = []
     began = whole = False
+    unpacked = 0
     records = _records(file)
     while True:
         try:
@@ -98,6 +101,11 @@ def _read(path: Path, file: BinaryIO) -> Recording:
             if channel is None or channel.schema_id not in kinds or record.log_time >= _TIMES_END:
                 break
             kind = kinds[channel.schema_id]
+            unpacked += len(record.data)
+            if unpacked > MOST_UNPACKED:
+                raise RecordingError(
+                    f"{path}: its entries have more than the {MOST_UNPACKED} bytes that are read"
+                )
             time = record.log_time / 1e9
             entries.append(Entry(record.sequence, time, channel.topic, kind, record.data))
             walls.append(record.publish_time)

@@ -10,6 +10,7 @@ from typing import Any, List, Mapping, NamedTuple, Tuple
 
 from ...judging.moments import MOST_NOTES, MomentNote
 from ...recording.amending import amend
+from ...recording.pseudonym import operator_of
 from ...recording.writer import RecordingError
 from ...replay.replay import Replay
 from ..library import Library
@@ -130,8 +131,9 @@ class Shelf:
         RecordingError
         """
         if not (instructor or trial == self.given):
-            sheet = self._library.sheet(trial)
-            if sheet is not None and sheet.get("operator") != name:
+            path = self._library.path(trial)
+            # Before it is read, which takes long, and what others look at waits for it.
+            if path is None or operator_of(path) != name:
                 raise NotHereError(trial)
         try:
             found = self.open(trial)
