@@ -1,5 +1,8 @@
 """Pictures of scenes, as ``scene preview`` draws them."""
 
+import itertools
+import math
+
 import cv2
 import numpy as np
 import pytest
@@ -110,6 +113,31 @@ def test_without_views_all_of_a_scene_is_framed(subject):
         u, v = camera.project([point[:3]])[0]
         assert 10 < u < 150
         assert 10 < v < 110
+
+
+TALL = """
+objects:
+  - {type: sign, name: sign, position: [3.0, 3.0, 0.0]}
+  - {type: wall, name: wall, position: [0.0, 9.0, 0.0], yaw: 0.8, length: 12.0, height: 3.0}
+"""
+
+
+@pytest.mark.parametrize(("fov", "aspect"), [(0.6, 4.0 / 3.0), (1.1, 16.0 / 9.0), (0.9, 0.5)])
+def test_what_is_framed_fills_the_picture_and_is_not_cut(tmp_path, fov, aspect):
+    """Long walls at an angle and high signs have their own extents, not those of spheres."""
+    path = tmp_path / "tall.yaml"
+    path.write_text(TALL)
+    subject = settled(str(path)).without_robot()
+    low, high = subject.bounds()
+    assert high[2] == pytest.approx(3.0, abs=0.1)
+    assert high[0] - low[0] == pytest.approx(12.0 * math.cos(0.8), abs=0.4)
+    view = framed(subject, fov, aspect)
+    camera = PinholeCamera(round(200 * aspect), 200, view.fov, 0.05, 100.0)
+    optical_from_world = np.linalg.inv(looking(view.eye, view.target))
+    corners = np.array(list(itertools.product(*zip(low, high), (1.0,))))
+    shown = camera.project((corners @ optical_from_world.T)[:, :3])
+    reach = np.abs(shown - (0.5 * camera.width, 100.0)).max(axis=0) / (0.5 * camera.width, 100.0)
+    assert reach.max() == pytest.approx(0.96, abs=0.03)
 
 
 def test_the_command_writes_the_first_view(scene, tmp_path, capsys):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import itertools
 import logging
 import math
 import sys
@@ -15,6 +16,7 @@ import numpy as np
 from genpy import Time
 
 from telex_control.common.file_catalog import package_path
+from telex_control.common.geometry.matrices import rotation_matrix
 from telex_control.common.params import ConfigError
 from telex_control.urdf.joints import UrdfError
 
@@ -46,7 +48,8 @@ _MAST, _BALL = 0.04, 0.12
 _MAST_COLOR, _BALL_COLOR = (0.85, 0.85, 0.85, 1.0), (0.9, 0.1, 0.1, 1.0)
 
 # From where a scene without views is looked at; of any length.
-_USUAL_SIDE = np.array([-1.0, -0.8, 0.75])
+_MARGIN = 1.05
+_USUAL_SIDE = (-1.0, -0.8, 0.75)
 _USUAL_FOV = 0.9
 
 
@@ -96,20 +99,43 @@ class Subject:
         return replace(self, scene=replace(self.scene, visuals=others))
 
     def extent(self) -> Tuple[np.ndarray, float]:
-        """Middle and radius of a sphere around all but planes, or where nothing else is (m)."""
+        """Middle and radius of a sphere around `bounds` (m)."""
+        low, high = self.bounds()
+        return 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))
+
+    def bounds(self) -> Tuple[np.ndarray, np.ndarray]:
+        """Lowest and highest coordinates of all but planes, or of a place where nothing is (m)."""
         number = {name: index for index, name in enumerate(self.scene.frames)}
-        centers, radii = [], []
+        centers, halves = [], []
         for visual in self.scene.visuals:
             if visual.shape is not VisualShape.PLANE:
                 pose = self.frames_in_world[number[visual.frame]]
                 centers.append((pose @ [*visual.position, 1.0])[:3])
-                radii.append(bounding_radius(visual, _guessed_radius))
+                halves.append(_half_extents(visual, pose[:3, :3]))
         if not centers:
-            return np.array([0.0, 0.0, 0.5]), 2.0
-        spheres = np.array(centers), np.array(radii)[:, None]
-        low, high = (spheres[0] - spheres[1]).min(axis=0), (spheres[0] + spheres[1]).max(axis=0)
+            return np.array([-1.5, -1.0, 0.0]), np.array([1.5, 1.0, 1.0])
+        middles, reaches = np.array(centers), np.array(halves)
+        low, high = (middles - reaches).min(axis=0), (middles + reaches).max(axis=0)
         low[2] = max(low[2], 0.0)
-        return 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))
+        return low, high
+
+
+def _half_extents(visual: Visual, turn: np.ndarray) -> np.ndarray:
+    """Half of a visual's extents along the world's axes (m), shape (3,).
+
+    Parameters
+    ----------
+    turn : ndarray, shape (3, 3)
+        Of its frame in the world.
+    """
+    turn = turn @ rotation_matrix(visual.orientation)
+    x, _, z = visual.size
+    if visual.shape is VisualShape.BOX:
+        return np.abs(turn) @ (0.5 * np.array(visual.size))
+    if visual.shape is VisualShape.CYLINDER:
+        along = np.abs(turn[:, 2])
+        return 0.5 * z * along + x * np.sqrt(np.maximum(1.0 - along**2, 0.0))
+    return np.full(3, bounding_radius(visual, _guessed_radius))
 
 
 def _guessed_radius(visual: Visual) -> float:
@@ -240,11 +266,14 @@ def framed(subject: Subject, fov: float, aspect: float) -> Viewpoint:
     aspect
         Of the picture: width over height.
     """
-    middle, radius = subject.extent()
-    half = math.atan(math.tan(0.5 * fov) / max(aspect, 1.0))
-    # Scenes are flatter than spheres: nearer than a sphere would need, they still fit.
-    distance = 0.8 * radius / math.sin(half)
-    eye = middle + distance * _USUAL_SIDE / np.linalg.norm(_USUAL_SIDE)
+    low, high = subject.bounds()
+    middle = 0.5 * (low + high)
+    turn = looking(_USUAL_SIDE, (0.0, 0.0, 0.0))[:3, :3]
+    corners = np.array(list(itertools.product(*zip(low - middle, high - middle)))) @ turn
+    wide = math.tan(0.5 * fov)
+    # From further away, what stands before the middle of it is in the picture as well.
+    needed = np.abs(corners[:, :2]) / (wide, wide / aspect) - corners[:, 2:]
+    eye = middle - _MARGIN * float(needed.max()) * turn[:, 2]
     return Viewpoint((eye[0], eye[1], eye[2]), (middle[0], middle[1], middle[2]), fov)
 
 
