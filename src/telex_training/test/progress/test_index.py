@@ -333,3 +333,10 @@ class TestImport:
         assert found.what == REFUSED
         assert "bob" in found.reason
         assert [each.name for each in index.people()] == ["ann"]
+
+
+def test_a_file_whose_name_is_no_text_keeps_nobody_else_out(index):
+    record(index.folder, "bob")
+    os.close(os.open(os.fsencode(index.folder) + b"/\xff.mcap", os.O_CREAT))
+    assert index.refresh() == []
+    assert [person.name for person in index.people()] == ["bob"]

@@ -237,8 +237,11 @@ def read_workload(path: Path) -> Optional[Dict[str, Any]]:
 
 
 def trials(folder: Path) -> List[Path]:
-    """Recordings of a folder, the newest last."""
-    return sorted(path for path in folder.glob(f"*{SUFFIX}") if not path.name.startswith("."))
+    """Recordings of a folder, the newest last; those whose name is no UTF-8 are none."""
+    found = (path for path in folder.glob(f"*{SUFFIX}") if not path.name.startswith("."))
+    return sorted(
+        path for path in found if not any("\ud800" <= each <= "\udfff" for each in path.name)
+    )
 
 
 def attached_text(recording: Recording, name: str) -> str:
