@@ -88,8 +88,9 @@ class Operator:
             self.browser.release(code)
 
     def tap(self, code):
+        """Press and release a key; the page has done what it does by then."""
         self.browser.press(code)
-        self.browser.release(code)
+        self.browser.handled(self.browser.key("keyUp", code))
 
     def keys(self):
         """What the list of keys has."""
