@@ -55,7 +55,6 @@ export class GamepadInput {
     window.addEventListener("gamepaddisconnected", () => {
       page.letGo(text("the gamepad was disconnected"));
       this._isConnected = navigator.getGamepads().some((pad) => pad !== null);
-      this._active.clear();
       this._show("");
     });
   }

@@ -2,6 +2,7 @@
 /** From keys and pointers to held actions. */
 
 import { isStale } from "./deadman.js";
+import { text } from "./language.js";
 import { printedKeys } from "./language/keyboard.js";
 import { setText } from "./panels.js";
 
@@ -35,9 +36,18 @@ function isFree(event, name) {
  * @param {(code: string) => string | undefined} find  Name of the action that a key has now.
  * @param {(name: string) => (() => void) | undefined} commandOf  What an action does at once; undefined: it is held.
  * @param {(code: string) => boolean} takes  Whether something else wants this key.
+ * @param {(reason: string) => void} letGo  Let go of everything.
  */
-export function listenToKeys(held, mayPress, find, commandOf, takes) {
+export function listenToKeys(held, mayPress, find, commandOf, takes, letGo) {
+  // An open list keeps all keys to itself, also that they are let go.
+  for (const kind of ["mousedown", "focusin"]) {
+    window.addEventListener(kind, ({ target }) => {
+      if (target instanceof Element && target.matches("select")) letGo(text("a list was opened"));
+    }, { capture: true });
+  }
   window.addEventListener("keydown", (event) => {
+    // While this key is down, macOS does not tell that others are let go.
+    if (event.metaKey || event.code.startsWith("Meta")) letGo(text("a key of the system was pressed"));
     if (event.ctrlKey || event.altKey || event.metaKey || event.isComposing) return;
     if (!event.repeat && takes(event.code)) {
       event.preventDefault();
@@ -78,6 +88,10 @@ export function listenToPointers(root, held, mayPress) {
   // A click must not move the focus: the keys go on driving. Only the keyboard moves it to a button.
   root.addEventListener("mousedown", (event) => {
     if (/** @type {Element} */ (event.target).closest("button") !== null) event.preventDefault();
+  });
+  // That one of a mouse's buttons is let go while another is down is told as a movement.
+  root.addEventListener("pointermove", (event) => {
+    if (event.pointerType === "mouse" && (event.buttons & 1) === 0) held.release(`pointer:${event.pointerId}`);
   });
   for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) {
     root.addEventListener(end, (event) => held.release(`pointer:${/** @type {PointerEvent} */ (event).pointerId}`));

@@ -519,7 +519,7 @@ class Console {
   _listenToOperator() {
     const mayPress = () => this._mayPress();
     const find = (/** @type {string} */ code) => this._keymap.find(code, this._modes.mode);
-    listenToKeys(this._held, mayPress, find, (name) => this._commandOf(name), (code) => this._keyDialog.take(code));
+    listenToKeys(this._held, mayPress, find, (name) => this._commandOf(name), (code) => this._keyDialog.take(code), (reason) => this._letGo(reason));
     listenToPointers(document.body, this._held, mayPress);
     watchOperator((reason) => this._letGo(reason));
   }

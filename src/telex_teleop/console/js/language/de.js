@@ -304,6 +304,8 @@ export const DE = {
   "the bridge refused a command": "die Brücke hat einen Befehl abgelehnt",
   "no gamepad can be used: {why}": "kein Gamepad nutzbar: {why}",
   "stop|let go": "Stopp",
+  "a list was opened": "eine Liste wurde geöffnet",
+  "a key of the system was pressed": "eine Systemtaste wurde gedrückt",
   "the list of keys": "die Tastenliste",
   "released: {reason}": "losgelassen: {reason}",
   "not connected: nothing can be moved": "nicht verbunden: nichts lässt sich bewegen",

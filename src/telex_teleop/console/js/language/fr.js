@@ -304,6 +304,8 @@ export const FR = {
   "the bridge refused a command": "la passerelle a refusé une commande",
   "no gamepad can be used: {why}": "aucune manette utilisable : {why}",
   "stop|let go": "arrêt",
+  "a list was opened": "une liste a été ouverte",
+  "a key of the system was pressed": "une touche système a été pressée",
   "the list of keys": "la liste des touches",
   "released: {reason}": "relâché : {reason}",
   "not connected: nothing can be moved": "non connecté : rien ne peut bouger",
