@@ -48,7 +48,13 @@ export class Bridge {
     /** Messages that wait for the page's next beat. @type {{topic: string, msg: any}[]} */
     this._news = [];
     this._deliver = () => {
-      for (const { topic, msg } of this._news.splice(0)) this._subscriptions.get(topic)?.heard(msg);
+      for (const { topic, msg } of this._news.splice(0)) {
+        try {
+          this._subscriptions.get(topic)?.heard(msg);
+        } catch (error) {
+          reportError(error); // and what waits behind it is heard
+        }
+      }
     };
     /** Who waits for the answer of a service, by the id of the call. @type {Map<string, (answer: any) => void>} */
     this._calls = new Map();

@@ -6,6 +6,7 @@ import { byId, setText } from "./panels.js";
 
 const TYPE = "telex_msgs/BridgeClients";
 const FREE = "";
+const WHO_WITHIN = 25000; // ms, for the slowest line takes 10 s each way
 
 export class ControlView {
   /**
@@ -26,6 +27,8 @@ export class ControlView {
     this.givesUp = false;
     /** @type {{id: string, name: string}[]} */
     this._clients = [];
+    /** Counts connections. */
+    this._connections = 0;
   }
 
   /** Whether somebody else holds control. */
@@ -58,16 +61,23 @@ export class ControlView {
 
   /** Ask, after every new connection, who this page is. */
   async connected() {
-    try {
-      const { message } = await this._bridge.call(this._topic("bridge/who_am_i"), {});
-      this._id = message;
-    } catch {
-      this._id = null; // a bridge that has no control lock
+    const connection = (this._connections += 1);
+    let id = null; // of a bridge that has no control lock
+    for (let isAsked = true; isAsked;) {
+      try {
+        id = (await this._bridge.call(this._topic("bridge/who_am_i"), {}, WHO_WITHIN)).message;
+        isAsked = false;
+      } catch (error) {
+        isAsked = /** @type {Error} */ (error).name === "TimeoutError" && connection === this._connections;
+      }
     }
+    if (connection !== this._connections) return;
+    this._id = id;
     this._show();
   }
 
   disconnected() {
+    this._connections += 1;
     this._id = null;
     this._holder = FREE;
     this._show();

@@ -13,10 +13,10 @@ export class GasView {
     this._heard = -Infinity;
   }
 
-  /** @param {{concentration: number}} reading  telex_msgs/Gas. */
+  /** @param {{concentration: number | null}} reading  telex_msgs/Gas; the bridge makes null of what is no number. */
   set({ concentration }) {
     this._heard = performance.now();
-    setText(byId("gas"), `${concentration.toFixed(0)} ppm`);
+    setText(byId("gas"), `${concentration?.toFixed(0) ?? "–"} ppm`);
     byId("values").dataset.gas = "measured";
   }
 

@@ -87,3 +87,51 @@ test("a release that is refused or lost lets the page go on", async () => {
   assert.equal(bridge.publish("drive", {}), true);
   assert.deepEqual(warnings, ["client 7 does not hold control", "the connection was lost"]);
 });
+
+test("what waits behind a message that cannot be shown is heard", async () => {
+  /** @type {unknown[]} */
+  const told = [];
+  globalThis.reportError = (error) => told.push(error);
+  bridge.subscribe({
+    topic: "gas", type: "telex_msgs/Gas", throttle: 0, heard: () => {
+      throw new TypeError("no number");
+    },
+  });
+  hear({ op: "publish", topic: "gas", msg: {} });
+  hear({ op: "publish", topic: "bridge/clients", msg: { holder: "3", clients: [{ id: "3", name: "Bob" }] } });
+  await beat();
+  assert.equal(told.length, 1);
+  assert.equal(control.holderName, "Bob");
+});
+
+test("who this page is is asked for until the slowest line has told it", async () => {
+  /** @type {(number | undefined)[]} */
+  const patience = [];
+  bridge.call = async (service, args, within) => {
+    patience.push(within);
+    if (patience.length < 3) throw new DOMException("no answer", "TimeoutError");
+    return { success: true, message: "9" };
+  };
+  control.disconnected();
+  await control.connected();
+  assert.ok(control.isKnown);
+  assert.equal(patience.length, 3);
+  assert.ok(Math.min(...patience.map(Number)) > 20000);
+});
+
+test("a bridge that refuses to tell it has no lock, and one that is lost is not asked again", async () => {
+  let count = 0;
+  bridge.call = async () => {
+    count += 1;
+    throw new Error("no such service");
+  };
+  await control.connected();
+  assert.ok(!control.isKnown);
+  bridge.call = async () => {
+    count += 1;
+    control.disconnected();
+    throw new DOMException("no answer", "TimeoutError");
+  };
+  await control.connected();
+  assert.equal(count, 2);
+});

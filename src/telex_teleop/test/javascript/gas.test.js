@@ -17,6 +17,8 @@ test("the reading is shown while the sensor speaks, and goes with it", () => {
   assert.equal(page.gas.textContent, "412 ppm");
   view.fade(false);
   assert.equal(page.values.dataset.gas, "measured");
+  view.set({ concentration: null });
+  assert.equal(page.gas.textContent, "– ppm");
   view.forget();
   assert.equal(page.values.dataset.gas, undefined);
 });
