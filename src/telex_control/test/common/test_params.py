@@ -15,6 +15,7 @@ from telex_control.common.params import (
     require_range,
     require_text,
     required,
+    shown,
 )
 from telex_control.ros.local_node_handle import LocalNodeHandle
 
@@ -191,6 +192,20 @@ def test_values_of_a_file_are_named_without_a_parameters_prefix(values, name, sa
         read_struct(Outer, values, name)
     assert str(caught.value).startswith(said)
     assert len(str(caught.value)) < 150
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        ([1, {"a": None}, "b"], "[1, {'a': None}, 'b']"),
+        ("x" * 1000, "'" + "x" * 76 + "..."),
+        ([[[["deep"]]]], "[[[[...]]]]"),
+        (list(range(10**6)), str(list(range(20)))[:-1] + ", ...]"),
+    ],
+    ids=("short", "long", "deep", "wide"),
+)
+def test_values_are_shown_as_far_as_a_message_has_room(value, text):
+    assert shown(value) == text
 
 
 def test_a_struct_checks_itself_in_a_file_too():

@@ -50,6 +50,7 @@ def taken(queue, now):
         ("[1]", "a mapping is needed"),
         ("5", "a mapping is needed"),
         ("{", "no YAML"),
+        ("delay: 2001-99-99", "no YAML: a value in it cannot be: month must be"),
         pytest.param("x" * 3000, "3000 characters", id="long"),
     ],
 )
@@ -59,6 +60,25 @@ def test_fields_that_cannot_be_are_refused(fields, part):
         with pytest.raises(ConfigError, match=".") as error:
             profiles.choose(profile, fields)
         assert part in str(error.value)
+
+
+def test_what_a_few_aliases_stand_for_is_not_written_out():
+    class Part:
+        written = 0
+
+        def __repr__(self):
+            Part.written += 1
+            return "x"
+
+    nested = [Part()]
+    for _ in range(6):
+        nested = [nested] * 9
+    for changes in (nested, {"delay": nested}):
+        with pytest.raises(ConfigError, match=r"is \[\[\[.*; a \w+ is needed"):
+            Profiles.read().combine("", changes)
+    assert Part.written < 1000
+    with pytest.raises(ConfigError, match="a number is needed"):
+        Profiles.read().choose("", "{delay: [&a [x, x], &b [*a, *a], &c [*b, *b], [*c, *c]]}")
 
 
 def test_profiles_are_chosen_by_name_and_changed_by_fields():

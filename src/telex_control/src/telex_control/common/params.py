@@ -19,6 +19,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
+import reprlib
 from typing import (
     Any,
     Callable,
@@ -41,6 +42,11 @@ _WANTED = {
     dict: "a struct",
     list: "a list",
 }
+
+_BOUNDED = reprlib.Repr()
+_BOUNDED.maxlevel = 3
+_BOUNDED.maxdict = _BOUNDED.maxlist = _BOUNDED.maxtuple = _BOUNDED.maxset = 20
+_BOUNDED.maxstring = _BOUNDED.maxlong = _BOUNDED.maxother = 200
 
 
 class ConfigError(ValueError):
@@ -78,7 +84,7 @@ def read_struct(kind: Type[Config], params: Any, name: str = "") -> Config:
     ConfigError
     """
     if not isinstance(params, Mapping):
-        raise ConfigError(f"{name or 'it'} is {_shown(params)}; a struct is needed")
+        raise ConfigError(f"{name or 'it'} is {shown(params)}; a struct is needed")
     inside = f"{name}/" if name else ""
     hints = get_type_hints(kind)
     fields = {field.name: field for field in dataclasses.fields(kind)}  # type: ignore[arg-type]
@@ -116,10 +122,13 @@ def _is_required(field: Any) -> bool:
     return no_default and field.default_factory in (dataclasses.MISSING, required)
 
 
-def _shown(value: Any) -> str:
-    """Show a value in a message, shortened where somebody gave a whole file of it."""
+def shown(value: Any) -> str:
+    """Show a value in a message, shortened where somebody gave a whole file of it.
+
+    The text is never made in full: aliases in a few lines of YAML can stand for billions of values.
+    """
     try:
-        text = repr(value)
+        text = _BOUNDED.repr(value)
     except ValueError:
         # Python does not write integers of thousands of digits.
         text = f"a {type(value).__name__} too long to show"
@@ -149,32 +158,32 @@ def read_value(kind: Any, value: Any, name: str) -> Any:
         return None if value is None else read_value(kind.__args__[0], value, name)
     if origin is dict:
         if not isinstance(value, Mapping):
-            raise ConfigError(f"{name} is {_shown(value)}; a struct is needed")
+            raise ConfigError(f"{name} is {shown(value)}; a struct is needed")
         element = kind.__args__[1]
         # YAML reads a bare 1 as a number, also where it is a key.
         return {str(key): read_value(element, item, f"{name}/{key}") for key, item in value.items()}
     if origin in (tuple, list):
         return _elements(kind, value, name)
     if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
-        raise ConfigError(f"{name} is {_shown(value)}; {_WANTED[kind]} is needed")
+        raise ConfigError(f"{name} is {shown(value)}; {_WANTED[kind]} is needed")
     return value
 
 
 def _number(value: Any, name: str) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise ConfigError(f"{name} is {_shown(value)}; a number is needed")
+        raise ConfigError(f"{name} is {shown(value)}; a number is needed")
     try:
         number = float(value)
     except OverflowError:
         number = math.inf
     if not math.isfinite(number):
-        raise ConfigError(f"{name} is {_shown(value)}; it must be finite")
+        raise ConfigError(f"{name} is {shown(value)}; it must be finite")
     return number
 
 
 def _elements(kind: Any, value: Any, name: str) -> Any:
     if not isinstance(value, (list, tuple)):
-        raise ConfigError(f"{name} is {_shown(value)}; a list is needed")
+        raise ConfigError(f"{name} is {shown(value)}; a list is needed")
     element = kind.__args__[0]
     fixed = kind.__origin__ is tuple and Ellipsis not in kind.__args__
     if fixed and len(value) != len(kind.__args__):

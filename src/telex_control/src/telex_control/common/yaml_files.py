@@ -7,6 +7,19 @@ from typing import Any, Dict, List, Set, TextIO, Tuple
 import yaml
 
 
+class _Loader(yaml.SafeLoader):
+    """Takes the entries of a struct once, however often merges (``<<``) name it.
+
+    Otherwise each struct that merges the one before several times multiplies them.
+    """
+
+    def flatten_mapping(self, node: yaml.MappingNode) -> None:
+        super().flatten_mapping(node)
+        # Of equal keys the last one counts.
+        last = {id(key): (key, value) for key, value in reversed(node.value)}
+        node.value = list(reversed(list(last.values())))
+
+
 def load_yaml(file: TextIO) -> Any:
     """Make plain values of a YAML file, none of which holds itself.
 
@@ -18,9 +31,12 @@ def load_yaml(file: TextIO) -> Any:
     yaml.YAMLError
     """
     try:
-        content = yaml.safe_load(file)
+        content = yaml.load(file, _Loader)
     except RecursionError:
         raise yaml.YAMLError("it is nested too deeply") from None
+    except (AttributeError, ArithmeticError, LookupError, ValueError) as error:
+        # Python's own words about a number, a date or a tagged value that cannot be one.
+        raise yaml.YAMLError(f"a value in it cannot be: {error}") from error
     _refuse_loops(content)
     return content
 

@@ -9,7 +9,7 @@ from typing import Any, Dict, Mapping, Optional, Tuple
 
 import yaml
 
-from telex_control.common.params import ConfigError, read_struct, require
+from telex_control.common.params import ConfigError, read_struct, require, shown
 from telex_control.common.yaml_files import load_yaml
 
 from ...files import FromFile
@@ -158,10 +158,10 @@ class Profiles(FromFile):
         if base is None:
             known = ", ".join(self.profiles)
             raise ConfigError(f"profile is {profile[:60]!r}; known are {known}")
-        require(
-            isinstance(changes, Mapping),
-            f"fields is {str(changes)[:60]!r}; a mapping is needed, such as {{delay: 0.4}}",
-        )
+        if not isinstance(changes, Mapping):
+            raise ConfigError(
+                f"fields is {shown(changes)}; a mapping is needed, such as {{delay: 0.4}}"
+            )
         pairs = {str(key): value for key, value in changes.items()}
         changed = read_struct(LineFields, {**dataclasses.asdict(base.fields), **pairs})
         given = {key: getattr(changed, key) for key in pairs}
