@@ -50,6 +50,7 @@ def taken(queue, now):
         ("[1]", "a mapping is needed"),
         ("5", "a mapping is needed"),
         ("{", "no YAML"),
+        ("delay: 2001-99-99", "no YAML: a value in it cannot be: month must be"),
         pytest.param("x" * 3000, "3000 characters", id="long"),
     ],
 )
