@@ -353,6 +353,39 @@ def test_a_first_point_at_the_start_is_dropped_silently(start, caplog):
     assert "dropped" not in caplog.text
 
 
+@pytest.mark.parametrize("early", [-3.0, -0.4, -1e-9])
+def test_a_point_before_a_start_to_come_is_dropped(start, early):
+    tested = start()
+    tested.run(0.2)
+    goal = tested.send(
+        trajectory(
+            (early, [9.0, 9.0, 9.0]),
+            (0.2, [0.2, 0.1, 0.0]),
+            (0.4, [0.4, 0.1, 0.0]),
+            stamp=tested.time + 0.5,
+        )
+    )
+    tested.run(0.45)
+    assert tested.positions() == [0.0, 0.0, 0.0]
+    tested.run(0.25)
+    assert tested.positions() == pytest.approx([0.2, 0.1, 0.0], abs=0.02)
+    tested.run(0.3)
+    assert goal.status == "succeeded"
+    assert tested.positions() == pytest.approx([0.4, 0.1, 0.0])
+
+
+def test_a_trajectory_that_ends_before_its_start_is_rejected_and_what_runs_goes_on(start):
+    tested = start()
+    running = tested.send(trajectory((0.5, [0.5, 0.1, 0.0])))
+    tested.run(0.2)
+    points = ((-2.0, [9.0, 9.0, 9.0]), (-1.5, [0.0, 0.0, 0.0]))
+    goal = tested.send(trajectory(*points, stamp=tested.time + 5.0))
+    assert (goal.status, goal.result.error_code) == ("rejected", -3)
+    assert "the last one by 1.500 s" in goal.result.error_string
+    tested.run(0.4)
+    assert running.status == "succeeded"
+
+
 def test_a_trajectory_that_lies_in_the_past_is_rejected(start):
     tested = start()
     tested.run(2.0)

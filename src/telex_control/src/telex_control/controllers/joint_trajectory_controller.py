@@ -205,11 +205,11 @@ class JointTrajectoryController(Controller):
         tracks = read_tracks(trajectory, self._bounds, self._allow_partial)
         last = trajectory.points[-1].time_from_start.to_sec()
         late = self._time - (start or self._time) - last
-        if late >= 0.0:
+        if late >= 0.0 or last < 0.0:
             raise TrajectoryError(
                 Result.OLD_HEADER_TIMESTAMP,
                 f"all {len(trajectory.points)} point(s) lie in the past, the last one by "
-                f"{late:.3f} s; a time_from_start above 0 is needed",
+                f"{max(late, -last):.3f} s; a time_from_start above 0 is needed",
             )
         return _Order(tracks, start, goal, tolerances)
 
@@ -308,7 +308,9 @@ class JointTrajectoryController(Controller):
             return
         start = order.start or time
         times = next(iter(order.tracks.values())).times
-        passed = bisect.bisect_right(times, time - start)
+        # Until a start that is still to come the old motion goes on: nothing is reached before it.
+        before_start = bisect.bisect_left(times, 0.0)
+        passed = max(bisect.bisect_right(times, time - start), before_start)
         if passed == len(times):
             # It was in the future when it came, at the end of the last cycle.
             if goal is not None:
