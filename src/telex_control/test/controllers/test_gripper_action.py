@@ -91,6 +91,21 @@ def test_a_goal_whose_controller_stops_as_it_comes_is_cancelled(jaw, monkeypatch
     assert send(tested, 0.2).status == "cancelled"
 
 
+def test_a_goal_that_waits_for_the_loop_is_not_carried_out_after_a_restore(jaw):
+    tested = jaw()
+    first = send(tested, 0.1, 100.0)
+    tested.run(3.0)
+    assert first.status == "succeeded"
+    saved, began = tested.bench.manager.save_state(), tested.bench.time
+    waiting = send(tested, 0.3, 100.0)
+    now = tested.bench.time
+    tested.bench.manager.restore_state(saved, now, now - began)
+    assert waiting.status == "cancelled"
+    assert "bookmark" in waiting.text
+    tested.run(1.0)
+    assert tested.joint.state.position == pytest.approx(0.1, abs=0.011)
+
+
 def test_a_stall_aborts_as_upstream_has_it(jaw):
     tested = jaw()
     tested.obstacle = 0.1

@@ -190,8 +190,9 @@ class GripperCommandController(Controller):
         self._release()
 
     def restore_state(self, saved: Any, elapsed: float) -> None:
-        """Take a state up again; the goal that is under way now is cancelled, none is taken up."""
+        """Take a state up again; goals are cancelled, and none is taken up."""
         self._cancel("the simulation went back to a bookmark")
+        self._drop_goals("the simulation went back to a bookmark")
         super().restore_state(saved, elapsed)
 
     def _cancel(self, text: str) -> None:
@@ -199,9 +200,9 @@ class GripperCommandController(Controller):
             self._active.cancel(self._fill(GripperCommandResult(), self._measure()), text)
             self._active = None
 
-    def _drop_goals(self) -> None:
+    def _drop_goals(self, text: str = "the controller was stopped") -> None:
         for goal in drain(self._goals):
-            goal.cancel(GripperCommandResult(), "the controller was stopped")
+            goal.cancel(GripperCommandResult(), text)
 
 
 class _JointGripperController(GripperCommandController):
