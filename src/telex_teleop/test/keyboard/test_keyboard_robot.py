@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 import rospy
 from std_msgs.msg import Float64
@@ -93,6 +95,24 @@ def test_while_the_line_is_impaired_only_stops_pass_and_the_operator_is_told_why
     graph.receivers["/r/link/state"](LinkState(profile="perfect", perfect=True))
     robot.send(ahead)
     assert graph.sent[-1][1].linear.x == 1.0
+
+
+SCALES = {"speed_scale": 0.5, "min_speed_scale": 0.05, "max_speed_scale": 1.0}
+
+
+@pytest.mark.parametrize("field", SCALES)
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 1e308])
+def test_a_speed_that_is_no_number_is_no_answer(graph, field, value):
+    robot = OperatedRobot("/r")
+    status = "/r/arm_teleop/status"
+    graph.say(status, JointTeleopStatus(**{**SCALES, field: value}))
+    robot.change_speed(-1, 0.1)
+    assert robot.notice == "speed: no answer from the robot"
+    assert graph.sent == []
+    assert robot.speed_scale == (None if field == "speed_scale" else 0.5)
+    graph.say(status, JointTeleopStatus(**SCALES))
+    robot.change_speed(-1, 0.1)
+    assert [message.data for _, message in graph.sent] == [pytest.approx(0.4)] * 4
 
 
 def test_a_stop_ends_all_that_commands_ask_for():

@@ -121,12 +121,12 @@ class OperatedRobot:
 
     @property
     def speed_scale(self) -> Optional[float]:
-        """The operator's speed, None before the first status."""
+        """The operator's speed, None before the robot has told one."""
         asked, wish = self._speed_wish
         if time.monotonic() - asked < SPEED_PENDING:
             return wish
         status = self._latest_status()
-        return None if status is None else float(status.speed_scale)
+        return None if status is None else _scale(status.speed_scale)
 
     @property
     def zoom(self) -> float:
@@ -216,11 +216,13 @@ class OperatedRobot:
             return
         present = self.speed_scale
         status = self._latest_status()
-        if present is None or status is None:
+        lowest = highest = None
+        if status is not None:
+            lowest, highest = _scale(status.min_speed_scale), _scale(status.max_speed_scale)
+        if present is None or lowest is None or highest is None:
             self.notice = "speed: no answer from the robot"
             return
-        bounds = status.min_speed_scale, status.max_speed_scale
-        wish = stepped(present, direction, step, *bounds)
+        wish = stepped(present, direction, step, lowest, highest)
         self._speed_wish = (time.monotonic(), wish)
         for publisher in self._speeds:
             publisher.publish(Float64(wish))
@@ -391,3 +393,8 @@ class OperatedRobot:
 
 def _positive(rate: Optional[float]) -> Optional[float]:
     return rate if rate is not None and math.isfinite(rate) and rate > 0.0 else None
+
+
+def _scale(value: float) -> Optional[float]:
+    """Return a speed scale as a node has told it, None for what can be none."""
+    return value if 0.0 < value <= 1.0 else None
