@@ -17,7 +17,8 @@ class BasePose:
     Parameters
     ----------
     max_age
-        A report older than this (s of sim time) counts as none.
+        A report older than this (s of sim time) counts as none. One that is older by more than this
+        than the one before it begins anew: the stamp of the one before was wrong.
     """
 
     def __init__(self, max_age: float) -> None:
@@ -38,9 +39,9 @@ class BasePose:
         self._velocity = np.zeros(6)
         if self._last is not None:
             elapsed = stamp - self._last[0]
-            if elapsed <= 0.0:
+            if -self._max_age <= elapsed <= 0.0:
                 return
-            if elapsed <= self._max_age:
+            if 0.0 < elapsed <= self._max_age:
                 self._velocity = pose_error(pose, self._last[1]) / elapsed
         self._last = (stamp, pose)
 
