@@ -253,6 +253,11 @@ trap 'stop; exit 130' INT
 trap 'stop; exit 143' TERM HUP
 trap stop EXIT
 
+node="$(python "$root/launch_scripts/running.py" "$namespace")" || {
+  echo "run.sh: $node runs already on the ROS master $ROS_MASTER_URI, and two simulators on one end each other:" \
+    "end that one, or start this one with -p 11312 video_port:=0 bridge_port:=0" >&2
+  exit 2
+}
 echo "Starting the simulator ..."
 # A session of its own, so that Ctrl-C reaches this script alone, which then ends the rest in order. The
 # shell starts background jobs deaf to SIGINT; roslaunch must hear it.

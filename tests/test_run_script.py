@@ -190,6 +190,20 @@ def test_run_starts_everything_and_ctrl_c_leaves_nothing(private):
         for command in open_ones:
             assert "/rosout/rosout" in command or "/robot_state_publisher " in command
         assert "ROS is open" not in terminal.text
+        second = subprocess.run(
+            ["./launch_scripts/run.sh", "video_port:=0", "bridge_port:=0"],
+            cwd=ROOT,
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=60.0,
+            check=False,
+        )
+        assert second.returncode == 2
+        assert f"/telex/simulator runs already on the ROS master {marker}" in second.stderr
+        assert processes_of(marker.encode()) != []
+        with urllib.request.urlopen(url, timeout=10.0) as answer:
+            assert b"<html" in answer.read()
     finally:
         os.write(terminal.fd, b"\x03")
         stopped_at = time.monotonic()
