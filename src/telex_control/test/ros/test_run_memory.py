@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
 
@@ -70,3 +71,25 @@ def test_without_a_place_nothing_is_kept_and_nothing_fails(tmp_path):
     memory.keep(a=1)
     assert memory.recall() == {}
     memory.forget()
+
+
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EDQUOT, errno.EIO])
+@pytest.mark.parametrize("call", ["pwrite", "pread"])
+def test_a_file_that_fails_is_given_up_with_one_warning(path, monkeypatch, caplog, call, number):
+    RunMemory(path).keep(steps=1)
+    memory = RunMemory(path)
+
+    def fail(*_arguments):
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr(os, call, fail)
+    for steps in range(3):
+        recalled = memory.recall()
+        memory.keep(steps=steps)
+    assert recalled == {}
+    warnings = [each.getMessage() for each in caplog.records if each.levelname == "WARNING"]
+    assert len(warnings) == 1
+    assert path in warnings[0]
+    assert os.strerror(number) in warnings[0]
+    monkeypatch.undo()
+    assert RunMemory(path).recall() == {}

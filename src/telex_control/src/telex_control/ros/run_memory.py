@@ -33,7 +33,8 @@ class RunMemory:
 
     A node that ends in order forgets them: what is recalled was left by one that could not. Only
     the user who runs the node can read the file, as nobody can who reads parameters or topics.
-    Without a file, because it cannot be made, nothing is recalled, and nothing else changes.
+    Without a file, because it cannot be made, read or written, nothing is recalled, and nothing
+    else changes.
     """
 
     def __init__(self, path: str) -> None:
@@ -56,10 +57,13 @@ class RunMemory:
         """Return what was kept last; nothing after an end in order."""
         if self._file is None:
             return {}
-        self._size = os.fstat(self._file).st_size
         try:
+            self._size = os.fstat(self._file).st_size
             values = json.loads(os.pread(self._file, self._size, 0) or b"{}")
         except ValueError:  # it crashed while it wrote
+            return {}
+        except OSError as error:
+            self._give_up(error)
             return {}
         return values if isinstance(values, dict) else {}
 
@@ -70,16 +74,29 @@ class RunMemory:
         # One write over what was there, padded to its length: a crash leaves the one or the other.
         text = json.dumps(values).encode()
         self._size = max(self._size, len(text))
-        os.pwrite(self._file, text.ljust(self._size), 0)
+        try:
+            os.pwrite(self._file, text.ljust(self._size), 0)
+        except OSError as error:
+            self._give_up(error)
 
     def forget(self) -> None:
         """Leave nothing to a successor."""
         if self._file is None:
             return
-        os.close(self._file)
-        self._file = None
-        with contextlib.suppress(FileNotFoundError):
+        file, self._file = self._file, None
+        with contextlib.suppress(OSError):
+            os.close(file)
+        with contextlib.suppress(OSError):
             os.remove(self.path)
+
+    def _give_up(self, error: OSError) -> None:
+        """Go on without the file: what it has may be old, or half written."""
+        rospy.logwarn(
+            "%s cannot be used: %s; after a crash of this node nothing is recalled",
+            self.path,
+            error.strerror,
+        )
+        self.forget()
 
 
 def _is_private(file: int) -> bool:
