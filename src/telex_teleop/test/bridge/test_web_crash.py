@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import re
+import xmlrpc.client
 from pathlib import Path
 
 import pytest
+import rosgraph
 from waiting import wait_until_async
 from web_fakes import FakeRos, on_loop, served
 
 from telex_teleop.web.bridge.bridge_app import Rosbridge
 from telex_teleop.web.bridge.clients.other_robots import OtherRobots
+from telex_teleop.web.bridge.ros_graph import RosGraph
 from telex_teleop.web.bridge.status_topics import LOOKS_PER_LIST, NodeWatch
 from telex_teleop.web.listening import bind, bind_again, url_of
 from telex_teleop.web.server_config import RosbridgeConfig
@@ -92,6 +95,66 @@ async def test_nodes_elsewhere_are_none_of_its_business():
     ros.crashed.update(ros.nodes())
     async with bridge(ros):
         await wait_until_async(lambda: ros.missing == [["/telex/cameras"]])
+
+
+@pytest.mark.parametrize(
+    "address",
+    [
+        None,
+        "http://127.0.0.1:99999999/",
+        "http://127.0.0.1:port/",
+        f"http://{'a' * 70}:1234/",
+        "http://[::1",
+        "nonsense",
+    ],
+)
+def test_a_node_whose_address_makes_no_sense_does_not_answer(address, monkeypatch):
+    class Master:
+        def __init__(self, caller):
+            pass
+
+        def lookupNode(self, node):  # noqa: N802 - rosgraph's name
+            return address
+
+    monkeypatch.setattr(rosgraph, "Master", Master)
+    graph = RosGraph()
+    assert not graph.node_answers("/telex/arm_teleop")
+    assert graph._sent_by("/telex/arm_teleop") is None
+
+
+@on_loop
+async def test_what_is_wrong_with_one_node_hides_no_other():
+    ros = FakeRos()
+    ros.nodes = lambda: ["/telex/a", "/telex/b", "/telex/c"]
+    answers = ros.node_answers
+
+    def node_answers(node):
+        if node == "/telex/a":
+            raise ValueError("Port out of range")
+        return answers(node)
+
+    ros.node_answers = node_answers
+    async with bridge(ros):
+        await wait_until_async(lambda: ros.missing == [["/telex/a"]])
+        ros.crashed.add("/telex/b")
+        await wait_until_async(lambda: ros.missing[-1] == ["/telex/a", "/telex/b"])
+
+
+@on_loop
+async def test_the_watch_goes_on_after_a_look_that_failed():
+    ros = FakeRos()
+    nodes, failed = ros.nodes, []
+
+    def failing_once():
+        if not failed:
+            failed.append(True)
+            raise xmlrpc.client.ProtocolError("master", 500, "", {})
+        return nodes()
+
+    ros.nodes = failing_once
+    async with bridge(ros):
+        await wait_until_async(lambda: ros.missing == [[]])
+    assert failed
 
 
 def test_the_master_is_seldom_asked_which_nodes_there_are():

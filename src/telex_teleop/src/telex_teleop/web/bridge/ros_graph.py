@@ -56,10 +56,10 @@ def _reachable(address: Optional[str]) -> bool:
     """Whether somebody listens at a node's address."""
     if address is None:
         return False
-    parts = urllib.parse.urlsplit(address)
     try:
+        parts = urllib.parse.urlsplit(address)
         socket.create_connection((parts.hostname or "", parts.port or 0), _NODE_TIMEOUT).close()
-    except OSError:
+    except (OSError, ValueError):  # a node may have told the master what is no address
         return False
     return True
 
@@ -235,7 +235,13 @@ class RosGraph:
             uri = self._master().lookupNode(node)
             proxy = xmlrpc.client.ServerProxy(uri, transport=_Transport())
             code, _, connections = proxy.getBusInfo(rospy.get_name())  # type: ignore[misc]
-        except (OSError, rosgraph.MasterError, http.client.HTTPException, xmlrpc.client.Error):
+        except (
+            OSError,
+            ValueError,
+            rosgraph.MasterError,
+            http.client.HTTPException,
+            xmlrpc.client.Error,
+        ):
             return None
         return _outbound(connections) if code == 1 else None  # type: ignore[arg-type]
 

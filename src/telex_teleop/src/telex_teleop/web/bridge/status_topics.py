@@ -106,8 +106,9 @@ class NodeWatch:
         )
         told: Optional[List[str]] = None
         while True:
-            # Without a master nothing is known of anybody.
-            with contextlib.suppress(OSError, OperationError):
+            # Without a master nothing is known of anybody. Whatever else it is, the next look may
+            # succeed.
+            with contextlib.suppress(Exception):
                 missing = await in_own_thread(self._missing)
                 self._other_robots.note(self._services)
                 if missing != told:
@@ -123,4 +124,10 @@ class NodeWatch:
             self._nodes = [node for node in self._ros.nodes() if node.startswith(self._namespace)]
             self._services = self._ros.services()
         self._looks += 1
-        return [node for node in self._nodes if not self._ros.node_answers(node)]
+        return [node for node in self._nodes if not self._answers(node)]
+
+    def _answers(self, node: str) -> bool:
+        try:
+            return self._ros.node_answers(node)
+        except ValueError:  # what is wrong with one node hides no other
+            return False
