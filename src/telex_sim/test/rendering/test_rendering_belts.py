@@ -126,6 +126,38 @@ def test_long_edges_are_halved_and_nothing_else_changes():
     assert on_the_rim.all()
 
 
+@pytest.mark.parametrize(
+    ("length", "height", "complaint"),
+    [
+        (400.0, 200.0, "extends over 400 m; 0.02 to 10 m is possible"),
+        (0.0004, 0.0002, "extends over 0.0004 m"),
+        (9.0, 9.0, "has .* triangles and .* vertices or more; 50000 of each are possible"),
+    ],
+)
+def test_what_would_take_all_memory_is_no_belt(length, height, complaint):
+    vertices = np.zeros(4, dtype=VERTEX)
+    vertices["position"] = [(0, 0, 0), (length, 0, 0), (length, 0, height), (0, 0, height)]
+    with pytest.raises(ValueError, match=complaint):
+        subdivided(vertices, np.array([(0, 1, 2), (0, 2, 3)], dtype=np.int32))
+
+
+def test_a_belt_in_another_unit_is_drawn_and_does_not_run(tmp_path):
+    belt_obj(tmp_path / "belt.obj")
+    belt = Visual(
+        "flipper",
+        VisualShape.MESH,
+        (50.0, 50.0, 50.0),
+        mesh=f"file://{tmp_path}/belt.obj",
+        drive="wheel",
+    )
+    still = Still(TIERS["software"], Lighting(), lambda name: name)
+    try:
+        (problem,) = still.load(VisualScene(1, ("world", "flipper", "wheel"), (belt,)))
+        assert "does not run: its mesh extends over 30 m" in problem
+    finally:
+        still.release()
+
+
 def turned(angle):
     return (0.0, 0.0, 0.0, 0.0, math.sin(angle / 2), 0.0, math.cos(angle / 2))
 

@@ -15,6 +15,12 @@ import numpy as np
 # Longest edge, seen from the side: what is longer would cut the corners of the wheels (m).
 _LONGEST_EDGE = 0.05
 
+# Extent of a belt seen from the side (m); beyond, its mesh is most likely in another unit.
+_SHORTEST, _LONGEST = 0.02, 10.0
+
+# Vertices or triangles of a belt; more would take gigabytes, and long for each picture.
+_MOST = 50_000
+
 # Points of an outline.
 _SAMPLES = 1024
 
@@ -208,8 +214,23 @@ def subdivided(vertices: np.ndarray, triangles: np.ndarray) -> Tuple[np.ndarray,
     tuple of two numpy.ndarray
         More vertices and triangles. Both sides of an edge halve it at the same point, so that no
         gaps open.
+
+    Raises
+    ------
+    ValueError
+        When a belt cannot have this extent, or not so many vertices or triangles.
     """
+    extent = float(np.ptp(vertices["position"][:, [0, 2]], axis=0).max())
+    if not _SHORTEST <= extent <= _LONGEST:
+        raise ValueError(
+            f"its mesh extends over {extent:.3g} m; {_SHORTEST:g} to {_LONGEST:g} m is possible"
+        )
     while True:
+        if max(len(vertices), len(triangles)) > _MOST:
+            raise ValueError(
+                f"with no edge above {_LONGEST_EDGE:g} m, its mesh has {len(triangles)} triangles"
+                f" and {len(vertices)} vertices or more; {_MOST} of each are possible"
+            )
         flat = vertices["position"][triangles][:, :, [0, 2]]
         lengths = np.linalg.norm(np.roll(flat, -1, axis=1) - flat, axis=2)
         longest = lengths.argmax(axis=1)
