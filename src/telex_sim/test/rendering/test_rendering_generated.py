@@ -233,6 +233,29 @@ def test_signs_are_readable_on_every_side_of_a_box(still, eye, up):
     assert (opening(face) - 135.0 + 180.0) % 360.0 == pytest.approx(180.0, abs=4.0)
 
 
+@pytest.mark.parametrize(
+    ("texture", "complaint"),
+    [
+        (f"file:///tmp/{'a' * 300}.png", "File name too long"),
+        ("file:///tmp/a%00.png", "null byte"),
+        ("generated:chart?sealed=0123456789abcdef", "sealed: its key cannot be read or made"),
+    ],
+)
+def test_a_texture_that_cannot_be_read_leaves_the_rest(still, monkeypatch, texture, complaint):
+    # No folder can be made there.
+    monkeypatch.setenv("ROS_HOME", "/dev/null/ros")
+    thing = Visual("world", VisualShape.BOX, (1.0, 1.0, 1.0), texture=texture)
+    (problem,) = still.load(VisualScene(1, ("world",), (thing,)))
+    assert "box of frame 'world' has no texture" in problem
+    assert complaint in problem
+
+
+def test_a_mesh_with_an_impossible_name_is_left_out(still):
+    thing = Visual("world", VisualShape.MESH, (1.0, 1.0, 1.0), mesh="file:///tmp/a%00.obj")
+    (problem,) = still.load(VisualScene(1, ("world",), (thing,)))
+    assert "is left out: embedded null byte" in problem
+
+
 def test_an_unknown_texture_leaves_the_colour_and_a_line(still):
     thing = Visual("world", VisualShape.BOX, (1.0, 1.0, 1.0), color=(0.9, 0.0, 0.0, 1.0), glow=1.0)
     wrong = Visual(**{**vars(thing), "texture": "generated:marble"})

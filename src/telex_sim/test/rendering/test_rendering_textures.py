@@ -38,6 +38,11 @@ class TestLoading:
         with pytest.raises(TextureFileError, match=r"nowhere\.png: no such file"):
             load_texture(tmp_path / "nowhere.png")
 
+    def test_what_may_not_be_looked_up_is_named(self, tmp_path):
+        # As for a folder that may not be searched, but for root as well.
+        with pytest.raises(TextureFileError, match=r"aaa\.png: File name too long"):
+            load_texture(tmp_path / f"{'a' * 300}.png")
+
     def test_what_is_no_picture_is_named(self, tmp_path):
         (tmp_path / "text.png").write_text("not a picture")
         with pytest.raises(TextureFileError, match=r"text\.png: no picture"):

@@ -26,9 +26,13 @@ def load_texture(path: Path) -> np.ndarray:
     Raises
     ------
     TextureFileError
-        When the file is missing, no picture, or larger than OpenCV takes.
+        When the file is missing, may not be looked at, is no picture, or larger than OpenCV takes.
     """
-    if not path.is_file():
+    try:
+        found = path.is_file()
+    except OSError as error:
+        raise TextureFileError(f"{path}: {error.strerror}") from error
+    if not found:
         raise TextureFileError(f"{path}: no such file")
     try:
         picture = cv2.imread(str(path), cv2.IMREAD_COLOR)

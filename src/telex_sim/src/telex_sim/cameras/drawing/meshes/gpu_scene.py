@@ -10,12 +10,12 @@ from urllib.parse import quote
 import moderngl
 import numpy as np
 
-from ....scene.addresses import AddressError, PackagePath, resolve_address
+from ....scene.addresses import PackagePath, resolve_address
 from ....scene.content_store import ContentStore
 from ....scene.meshes.mesh_files import MeshFileError, MeshPart, load_mesh, load_parts
 from ....scene.meshes.meshes import Mesh
-from ....scene.textures.picture_files import TextureFileError, load_texture
-from ....scene.textures.procedural import TextureNameError, generate_texture, is_generated
+from ....scene.textures.picture_files import load_texture
+from ....scene.textures.procedural import generate_texture, is_generated
 from ....scene.visual_scene import WORLD, Visual, VisualScene, VisualShape
 from ..programs import PICTURE_UNIT, LitProgram
 from .batching import Batch, batches, bounding_radius, merge_visuals
@@ -192,7 +192,7 @@ class GpuScene:
         if visual.shape is VisualShape.MESH:
             try:
                 self._file(visual)
-            except (AddressError, MeshFileError) as error:
+            except (OSError, ValueError) as error:
                 problems.add(f"{visual.label} is left out: {error}")
                 return False
         return True
@@ -263,7 +263,7 @@ class GpuScene:
             return None
         try:
             return self._texture(batch.texture)
-        except (AddressError, TextureFileError, TextureNameError) as error:
+        except (OSError, ValueError) as error:
             for visual in batch.visuals:
                 problems.add(f"{visual.label} has no texture: {error}")
             return None
