@@ -103,11 +103,17 @@ class FileCatalog:
         Raises
         ------
         Exception
-            `error`: there is none; the message says which there are.
+            `error`: there is none, or nobody may look; the message says which there are, or why.
         """
         if "/" in name or name.endswith(self.suffix):
-            path = Path(name).expanduser()
-            if not path.is_file():
+            try:
+                path = Path(name).expanduser()
+                found = path.is_file()
+            except OSError as error:
+                raise self.error(f"{name}: the file cannot be read: {error.strerror}") from error
+            except RuntimeError as error:
+                raise self.error(f"{name}: there is no such home directory") from error
+            if not found:
                 start = "" if path.is_absolute() else f" (a relative path starts from {Path.cwd()})"
                 raise self.error(f"{path}: there is no such file{start}")
             return path
