@@ -133,6 +133,7 @@ class TestDaylight:
             {"sun": (-1.0, 0.0, 0.0)},
             {"ambient": math.nan},
             {"visibility": -2.0},
+            {"visibility": 1e-38},
             {"fog": (math.inf, 0.0, 0.0)},
         ],
     )

@@ -18,6 +18,7 @@ from telex_sim.scene.files.yaml_text import read_yaml
 from telex_sim.scene.library import RESERVED, object_types
 from telex_sim.scene.model import MOST_OBJECTS
 from telex_sim.scene.planning import plan_entry, plan_scene
+from telex_sim.scene.visual_scene import Daylight
 
 CUSTOM = "{type: custom, links: [{name: rock, mass: 2, parts: [{sphere: 0.2}]}]}"
 PICTURE = cv2.imencode(".png", np.arange(3072, dtype=np.uint8).reshape(32, 32, 3))[1].tobytes()
@@ -91,6 +92,18 @@ objects:
     assert other.orientation == pytest.approx(stone.orientation)
     assert stone.model.links[0].parts[0].geometry.mesh == f"file://{folder}/rock.obj"
     assert other.model.static
+
+
+@pytest.mark.parametrize(("visibility", "possible"), [(1e-38, False), (0.01, True), (0, True)])
+def test_fog_that_nothing_is_seen_through_is_refused(folder, visibility, possible):
+    text = f"lights: {{fog: {{visibility: {visibility}}}}}"
+    if possible:
+        assert planned(folder, text).scene.lights.fog.visibility == visibility
+        # As it arrives in a message.
+        Daylight(visibility=float(np.float32(visibility)))
+    else:
+        with pytest.raises(SceneError, match="visibility is 1e-38; it must be 0, .* at least 0.01"):
+            planned(folder, text)
 
 
 def test_names_that_are_left_out_avoid_those_given(folder):

@@ -30,6 +30,7 @@ from telex_control.common.params import (
 
 from ..radiation.dosimetry import require_history
 from ..radiation.nuclides import MATERIALS, NUCLIDES
+from .visual_scene import LEAST_VISIBILITY
 
 Color = Tuple[float, float, float, float]
 
@@ -528,6 +529,14 @@ class Fog(Declared):
 
     visibility: float = number(0.0, "", 0.0, 1.0e6)
     color: Tuple[float, float, float] = checked((0.6, 0.62, 0.65), "", _require_shares)
+
+    def check(self) -> None:
+        """Check what concerns single ones in a way of its own; see `Declared.check`."""
+        require(
+            self.visibility == 0.0 or self.visibility >= LEAST_VISIBILITY,
+            f"visibility is {self.visibility:g}; it must be 0, for clear air, or at least"
+            f" {LEAST_VISIBILITY:g}",
+        )
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,9 @@ class VisualShape(enum.IntEnum):
 WORLD = "world"
 """Name of the frame that never moves."""
 
+LEAST_VISIBILITY = 0.01
+"""No fog is so thick that its visibility is less (m); far less would overflow in the shaders."""
+
 # From this height on (m), what is thinner than this share of it throws no shadow: of the sun's
 # disc, which is 0.009 rad wide, it hides only a part.
 _HIGH, _THIN_SHARE = 4.0, 0.05
@@ -218,7 +221,8 @@ class Daylight:
     ambient
         Light from everywhere: 1 by day, 0 in the dark.
     visibility
-        Distance at which 5 % of the contrast is left (m); 0: clear air.
+        Distance at which 5 % of the contrast is left (m), at least `LEAST_VISIBILITY`; 0: clear
+        air.
     fog
         Colour of the fog by day, sRGB.
 
@@ -242,6 +246,12 @@ class Daylight:
             raise ValueError("the light: the direction to the sun is zero")
         if min(*self.sun, *self.fog, self.ambient, self.visibility) < 0.0:
             raise ValueError(f"the light: a number is below zero: {numbers[3:]}")
+        # Messages round to single precision.
+        if 0.0 < self.visibility < LEAST_VISIBILITY * (1.0 - 1e-6):
+            raise ValueError(
+                f"the light: the visibility is {self.visibility:g} m; 0, for clear air, or at least"
+                f" {LEAST_VISIBILITY:g} m is needed"
+            )
 
 
 @dataclass(frozen=True)
