@@ -250,6 +250,11 @@ class TestChanged:
             ("[" * 2000, "parameters: line 1: nested deeper"),
             ("{1: 2}", "1 is unknown"),
             ("{width: 320, distortion: [-1, 0, 0, 0, 0]}", "folds the picture"),
+            (
+                "{width: 1600, height: 16, horizontal_fov: 2.0, distortion: [-0.1, 0, 0, 0, 0],"
+                " preview: {width: 16}}",
+                "preview/width is 16: distortion .* shows nothing at pixel .* of 16x16",
+            ),
         ],
     )
     def test_what_is_wrong_changes_nothing(self, text, complaint):

@@ -141,6 +141,12 @@ class OpticsConfig(Declared):
             self.optics()
         except DistortionError as error:
             raise ConfigError(str(error)) from None
+        # No picture has fewer rows than the least size, so that a narrow one may see further up.
+        if self.preview.width < self.width:
+            try:
+                self.small()
+            except ConfigError as error:
+                raise ConfigError(f"preview/width is {self.preview.width}: {error}") from None
 
     def optics(self, zoom: float = 1.0) -> LensCamera:
         """Return how the camera maps what it sees, zoomed in by a factor."""
