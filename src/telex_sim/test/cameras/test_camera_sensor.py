@@ -449,6 +449,12 @@ class TestOverviewRig:
         for x in (0.0, 3.0):
             np.testing.assert_allclose(rig.pose(self.robot(x), x)[:3, 3], (2, 5, 1), atol=1e-9)
 
+    def test_stays_close_to_a_point_far_away(self):
+        place = np.array([1e4, 1e4, 1e4])
+        rig = self.rig(mode="fixed", center=tuple(place), distance=0.1)
+        pose = rig.pose(self.robot(), 0.0)
+        np.testing.assert_allclose(pose[:3, 3] - place, (-0.1, 0.0, 0.0), atol=1e-9)
+
     def test_turns_on_by_itself(self):
         rig = self.rig(mode="orbit", turn_rate=math.pi / 2.0)
         rig.pose(self.robot(), 10.0)

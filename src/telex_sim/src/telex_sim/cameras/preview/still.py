@@ -28,7 +28,7 @@ def looking(eye: Sequence[float], target: Sequence[float]) -> np.ndarray:
     ValueError
         When the two are the same point.
     """
-    if np.allclose(eye, target, atol=1e-9):
+    if np.allclose(eye, target, rtol=0.0, atol=1e-9):
         raise ValueError(f"eye and target are the same point: {list(eye)}")
     forward = unit(np.subtract(target, eye))
     # Straight up or down, the top of the picture is towards +x.
