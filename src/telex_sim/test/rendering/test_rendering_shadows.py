@@ -100,6 +100,13 @@ class TestHeadlight:
         load(still, WALL, POST, lamps=[headlight(casts_shadow=False)])
         assert brightness(picture(still), (3.95, 0.0, 1.0)) > 80
 
+    @pytest.mark.parametrize("reach", [0.01, 0.06])
+    def test_one_that_reaches_no_further_than_its_housing_is_drawn(self, still, reach):
+        load(still, WALL, POST, lamps=[headlight(reach=reach)])
+        frames = pose_matrices([at(0.0, 0.0, 0.0), at(0.0, 0.0, 1.0), at(0.1, 0.0, 1.0)])
+        behind = looking((-0.5, 0.0, 1.0), (3.0, 0.0, 1.0))
+        assert still.picture(CAMERA, behind, frames, (0.0, 0.0, 0.0)).max() > 0
+
     def test_its_own_surfaces_have_no_speckles(self, still):
         load(still, WALL, FLOOR, lamps=[headlight(angle=1.6)])
         image = picture(still)

@@ -186,7 +186,7 @@ class LampShadows:
     @staticmethod
     def _clip_from_world(rig: LampRig, lamp: int) -> np.ndarray:
         focal = _focal(rig.angles[lamp])
-        near, far = _NEAREST_CASTER, float(rig.reaches[lamp])
+        near, far = _depths(rig, lamp)
         projection = np.array(
             [
                 [focal, 0.0, 0.0, 0.0],
@@ -214,7 +214,7 @@ class LampShadows:
                 continue
             focal = _focal(rig.angles[lamp])
             middle = self._corner(place) / self._extent + half
-            near, far = _NEAREST_CASTER, float(rig.reaches[lamp])
+            near, far = _depths(rig, lamp)
             texel = 2.0 / (focal * self._size)
             # No look-up of the ring, nor the pixel that it falls into, may dip into the surface.
             lift = (1.5 + self._softness) * texel
@@ -231,6 +231,12 @@ class LampShadows:
     def use(self, unit: int) -> None:
         """Bind the maps to a texture unit."""
         self._depths.use(unit)
+
+
+def _depths(rig: LampRig, lamp: int) -> Tuple[float, float]:
+    """Distances ahead of a lamp between which things throw shadows (m)."""
+    # The light of a lamp may end within its housing.
+    return _NEAREST_CASTER, max(float(rig.reaches[lamp]), 2.0 * _NEAREST_CASTER)
 
 
 def _focal(angle: float) -> float:
