@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import shutil
+import tempfile
 import threading
 from pathlib import Path
 
@@ -460,6 +462,37 @@ def test_a_bad_description_is_refused_and_the_loop_goes_on(post, kuka, change, e
         add()
     assert len(simulation.robots) == 1
     simulation.step()
+
+
+def test_a_reset_without_room_for_temporary_files_is_refused_and_changes_nothing(
+    post, kuka, monkeypatch, tmp_path
+):
+    beside(post, kuka)
+    post.spawn(post.plan("{type: crate, name: box, position: [-2.0, 0.0, 0.0]}"))
+    run(post, 0.1)
+    before, structure = post.link_poses(), (post.structure, post.changes)
+    with monkeypatch.context() as patch:
+        patch.setattr(tempfile, "tempdir", str(tmp_path / "full"))
+        with pytest.raises(ConfigError, match="robot 'post' cannot be loaded again: .*No such"):
+            post.reset()
+    assert (post.link_poses(), (post.structure, post.changes)) == (before, structure)
+    run(post, 0.1)
+    post.reset()
+    assert post.objects.objects() == []
+    run(post, 0.1)
+
+
+def test_a_reset_can_do_without_meshes_that_were_read(post, kuka, tmp_path):
+    urdf, params = kuka
+    meshes = tmp_path / "meshes"
+    shutil.copytree(DATA / "kuka_iiwa" / "meshes", meshes)
+    beside(post, (urdf.replace(str(DATA / "kuka_iiwa" / "meshes"), str(meshes)), params))
+    before = post.link_poses()
+    run(post, 0.1)
+    shutil.rmtree(meshes)
+    post.reset()
+    assert post.link_poses() == before
+    run(post, 0.1)
 
 
 def test_relative_meshes_are_found_from_the_robots_file(tmp_path):

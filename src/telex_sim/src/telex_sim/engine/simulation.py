@@ -341,15 +341,41 @@ class Simulation:
         """Put everything back to where it began; time goes on.
 
         The world is filled anew only where objects or robots have come or gone since it was.
+
+        Raises
+        ------
+        ConfigError
+            A robot cannot be loaded again; nothing has changed.
         """
-        if self._altered:
-            self._note_change("a reset brought back what was loaded")
         assert self._start is not None
-        if self._start[0] == self.structure:
+        if not self._altered and self._start[0] == self.structure:
             self._put_back()
             self._reset_controllers()
-        else:
-            self._refill()
+            return
+        self._try_robots()
+        if self._altered:
+            self._note_change("a reset brought back what was loaded")
+        self._refill()
+
+    def _try_robots(self) -> None:
+        """Load the robots once more beside those that there are, and take them out again.
+
+        PyBullet keeps the meshes that a client has read: another world would miss files that this
+        one can do without.
+
+        Raises
+        ------
+        ConfigError
+            One cannot be loaded.
+        """
+        before = self.world.bodies()
+        try:
+            for robot in self.robots:
+                robot.figure.load(self.world, self.scene.start, {}, self._resolve)
+        except (UrdfError, WorldError) as error:
+            raise ConfigError(f"robot '{robot.model}' cannot be loaded again: {error}") from error
+        finally:
+            self.world.remove_others(before)
 
     def _put_back(self) -> None:
         """Put bodies, objects and robots to where they began; all of them are there."""

@@ -237,7 +237,8 @@ class World:
         Raises
         ------
         WorldError
-            PyBullet refuses the URDF, or a joint of `joint_positions` does not exist.
+            PyBullet refuses the URDF, there is no room for its temporary file, or a joint of
+            `joint_positions` does not exist.
         """
         client = self.client
         root = read_xml(urdf)
@@ -250,20 +251,18 @@ class World:
         flags = pybullet.URDF_USE_INERTIA_FROM_FILE
         if self_collision:
             flags |= pybullet.URDF_USE_SELF_COLLISION
-        handle, path = tempfile.mkstemp(suffix=".urdf", text=True)
         try:
-            with os.fdopen(handle, "w") as file:
+            with tempfile.NamedTemporaryFile("w", suffix=".urdf") as file:
                 file.write(ElementTree.tostring(root, encoding="unicode"))
-            uid = pybullet.loadURDF(
-                path,
-                useFixedBase=masses.fixed,
-                flags=flags,
-                physicsClientId=client,
-            )
-        except pybullet.error as error:
+                file.flush()
+                uid = pybullet.loadURDF(
+                    file.name,
+                    useFixedBase=masses.fixed,
+                    flags=flags,
+                    physicsClientId=client,
+                )
+        except (pybullet.error, OSError) as error:
             raise WorldError(f"PyBullet cannot load robot_description: {error}") from error
-        finally:
-            os.unlink(path)
         body = Body(client, uid, frames)
         for index in range(-1, len(body.joints)):
             # Bullet's damping defaults would brake the robot on slopes and in the air.
