@@ -464,6 +464,44 @@ def test_a_bad_description_is_refused_and_the_loop_goes_on(post, kuka, change, e
     simulation.step()
 
 
+def pads(urdf):
+    """Two frames on the last link of a Kuka, which are no part of what PyBullet has."""
+    added = "".join(
+        f'<link name="{name}"/><joint name="{name}_joint" type="fixed">'
+        f'<parent link="lbr_iiwa_link_7"/><child link="{name}"/></joint>'
+        for name in ("left", "right")
+    )
+    return urdf.replace("</robot>", added + "</robot>")
+
+
+def test_pads_that_can_touch_nothing_are_refused_by_name(alone, post, kuka):
+    urdf, params = pads(kuka[0]), kuka[1]
+    wanted = {"gripper_contact": {"pads": ["left", "right"]}}
+    said = "gripper_contact/pads: the link 'left' has no <collision>"
+    with pytest.raises(ConfigError, match=said):
+        alone(urdf, params, **wanted)
+    node = node_of(urdf, params, "/other")
+    with pytest.raises(ConfigError, match=said):
+        post.plan_robot(config(**wanted), urdf, node)
+
+
+def test_of_a_robot_that_fails_unforeseen_nothing_stays(post, kuka, monkeypatch):
+    urdf, params = kuka
+    before = post.world.bodies()
+    node = node_of(urdf, params, "/other")
+    added = post.plan_robot(config(place=(2.0, 0.0, 0.0, 0.0)), urdf, node)
+
+    def fail(_body):
+        raise KeyError("no such thing")
+
+    monkeypatch.setattr(added.hw, "attach", fail)
+    with pytest.raises(KeyError, match="no such thing"):
+        post.add_robot(added)
+    assert post.world.bodies() == before
+    assert len(post.robots) == 1
+    post.step()
+
+
 def test_a_reset_without_room_for_temporary_files_is_refused_and_changes_nothing(
     post, kuka, monkeypatch, tmp_path
 ):

@@ -476,9 +476,11 @@ class Simulation:
         try:
             self._place(robot, self.robots)
             check_place(self.world, robot.body, self._owners(self.robots), "it")
-        except (ConfigError, UrdfError, WorldError) as error:
+        except Exception as error:
             self.world.remove_others(before)
-            raise ConfigError(str(error)) from error
+            if isinstance(error, (ConfigError, UrdfError, WorldError)):
+                raise ConfigError(str(error)) from error
+            raise
         self.robots = (*self.robots, robot)
         self._note_change(f"robot '{robot.model}' was added")
         self._bodies_changed()

@@ -148,6 +148,7 @@ class Robot:
         self.links = tuple(links)
         self._rolling = [each.child for each in robot.joints if each.type == CONTINUOUS]
         self.has_pads = config.gripper_contact.present(links, config.hardware.optional_links)
+        self._check_pads(robot)
         # What was asked for last, and how often a stop was: each one is obeyed for a cycle at
         # least, even if its release follows at once.
         self._e_stop_wanted = False
@@ -155,6 +156,14 @@ class Robot:
         self._e_stop_obeyed = 0
         self._begins_anew = False
         self.malfunctions = Malfunctions(self)
+
+    def _check_pads(self, robot: DescribedRobot) -> None:
+        for name in self.config.gripper_contact.pads:
+            if name in robot.link_map and not robot.link_map[name].collisions:
+                raise ConfigError(
+                    f"gripper_contact/pads: the link '{name}' has no <collision>; a pad needs one "
+                    "to touch anything"
+                )
 
     def _check_belts(self, robot: DescribedRobot) -> None:
         carriers = {name: joint.parent for name, joint in robot.joint_map.items()}
