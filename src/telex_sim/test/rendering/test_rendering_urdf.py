@@ -1,4 +1,5 @@
 import math
+import re
 
 import pytest
 
@@ -94,4 +95,14 @@ def test_materials_by_value_and_by_name(visuals):
 )
 def test_what_is_no_urdf(text):
     with pytest.raises(UrdfError, match="robot_description"):
+        urdf_visuals(text)
+
+
+@pytest.mark.parametrize("value", ["1e39", "255", "1.001", "-0.1"])
+@pytest.mark.parametrize("given", ["1 0.5 0 1", "0 0 1 0.5"], ids=["of the robot", "of a visual"])
+def test_a_color_beyond_0_to_1_is_refused_by_its_link(given, value):
+    _, others = given.split(" ", 1)
+    text = ROBOT.replace(f'rgba="{given}"', f'rgba="{value} {others}"')
+    said = f"link 'base': visual: <color rgba> has the value {float(value):g}; 0 to 1 is needed"
+    with pytest.raises(UrdfError, match=re.escape(said)):
         urdf_visuals(text)

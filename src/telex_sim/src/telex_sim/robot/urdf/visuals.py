@@ -70,7 +70,7 @@ def urdf_visuals(text: str) -> List[UrdfVisual]:
     Raises
     ------
     UrdfError
-        When the text is no URDF, or a belt has not one drive wheel.
+        When the text is no URDF, a colour is none, or a belt has not one drive wheel.
     """
     robot = parse_urdf(text)
     materials = _materials(robot)
@@ -153,4 +153,7 @@ def _appearance(
     if material.color is None:
         return (1.0, 1.0, 1.0, 1.0), texture
     red, green, blue, alpha = numbers(material.color, "rgba", 4, where)
+    for value in (red, green, blue, alpha):
+        if not 0.0 <= value <= 1.0:  # urdfdom, and with it rviz, takes no others either
+            raise UrdfError(f"{where}: <color rgba> has the value {value:g}; 0 to 1 is needed")
     return (red, green, blue, alpha), texture
