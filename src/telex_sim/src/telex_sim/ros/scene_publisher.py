@@ -46,5 +46,7 @@ class ScenePublisher:
                 return
             try:
                 self._publisher.publish(self._describe())
-            except rospy.ROSException:
-                return  # ROS shuts down
+            except Exception as error:  # whatever it is, what comes next is told
+                if rospy.is_shutdown():
+                    return
+                rospy.logerr("sim/scene cannot be told: %s: %s", type(error).__name__, error)
