@@ -2,10 +2,15 @@ from __future__ import annotations
 
 import pytest
 
-from telex_control.common.params import ConfigError
+from telex_control.common.params import ConfigError, read_config
 from telex_control.ros.local_node_handle import LocalNodeHandle
 from telex_control.urdf.joints import UrdfError, parse_urdf
-from telex_sim.engine.simulator_config import HardwareConfig, JointHardware, read_simulator_config
+from telex_sim.engine.simulator_config import (
+    HardwareConfig,
+    JointHardware,
+    TimingConfig,
+    read_simulator_config,
+)
 from telex_sim.engine.world import World, WorldError
 from telex_sim.offline.simulation import shipped_config
 from telex_sim.robot.robot_hw_sim import RobotHWSim
@@ -26,6 +31,16 @@ def test_the_shipped_configuration_is_valid():
         ({"timing__step_size": 0.0}, "step_size is 0.0"),
         ({"timing__step_size": float("nan")}, "timing/step_size is nan"),
         ({"timing__real_time_factor": -1.0}, "real_time_factor is -1.0"),
+        ({"timing__real_time_factor": 1e-6}, "step_size of 0.002 s it must be 0, for as fast as"),
+        (
+            {
+                "timing__real_time_factor": 0.2,
+                "timing__step_size": 0.05,
+                "timing__control_period": 0.05,
+            },
+            "real_time_factor is 0.2; with a step_size of 0.05 s it must be 0, for as fast as "
+            "possible, or at least 0.25",
+        ),
         ({"timing__realtime_priority": 100}, "realtime_priority is 100; it must be at least 0"),
         ({"start__pose": "handstand"}, "pose is 'handstand'; there are: drive"),
         ({"start__default_pose": "handstand"}, "default_pose is 'handstand'; there are: drive"),
@@ -47,6 +62,12 @@ def test_mistakes_are_named(change, named):
     with pytest.raises(ConfigError) as caught:
         shipped_config(**change)
     assert named in str(caught.value)
+
+
+@pytest.mark.parametrize(("factor", "step"), [(0.01, 0.002), (0.005, 0.001), (0.0, 0.05)])
+def test_no_step_has_to_wait_for_long(factor, step):
+    timing = {"step_size": step, "control_period": step, "real_time_factor": factor}
+    assert read_config(TimingConfig, timing, "timing").real_time_factor == factor
 
 
 def test_the_node_names_its_parameters_as_they_are_called():

@@ -23,6 +23,9 @@ from ..tracks.track_config import TrackConfig
 TUNED_PERIOD = 0.002
 """Longest control period that the shipped gains are tuned for (s)."""
 
+_LONGEST_STEP = 0.2
+"""Wall time (s) that a step may take by the pace: requests and emergency stops wait as long."""
+
 
 @dataclass(frozen=True)
 class TimingConfig(Declared):
@@ -33,7 +36,10 @@ class TimingConfig(Declared):
         0.002, "Sim time between control cycles (s); a whole multiple of the step.", maximum=0.1
     )
     real_time_factor: float = number(
-        1.0, "Sim time per wall time; 0 runs as fast as possible.", 0.0
+        1.0,
+        "Sim time per wall time, such that no step takes more than 0.2 s of it; 0 runs as fast as "
+        "possible.",
+        0.0,
     )
     realtime_priority: int = number(
         1,
@@ -52,6 +58,12 @@ class TimingConfig(Declared):
             ratio > 0.5 and abs(ratio - round(ratio)) < 1e-6,
             "control_period must be a whole multiple of step_size: "
             f"got {self.control_period} s and {self.step_size} s",
+        )
+        least, factor = self.step_size / _LONGEST_STEP, self.real_time_factor
+        require(
+            factor == 0.0 or factor >= least * (1.0 - 1e-6),
+            f"real_time_factor is {factor}; with a step_size of {self.step_size} s it must be 0, "
+            f"for as fast as possible, or at least {least:g}",
         )
 
     @property
