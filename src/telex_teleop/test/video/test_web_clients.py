@@ -342,6 +342,7 @@ def test_endless_requests_on_the_connection_of_a_stream_cost_no_memory(server, w
     wait_until(lambda: watcher.seen > seen + 5)
 
 
+@pytest.mark.real_time
 def test_many_sizes_at_once_slow_down_nobody_else(server, watcher):
     scaled = Watcher(server, "&width=320&height=240")
     wait_until(lambda: scaled.seen > 2)
@@ -373,6 +374,7 @@ def test_many_sizes_at_once_slow_down_nobody_else(server, watcher):
     wait_until(lambda: server.server.hubs.backlog == 0)
 
 
+@pytest.mark.real_time
 def test_two_hundred_viewers(server, watcher):
     viewers = [socket.create_connection(("127.0.0.1", server.port)) for _ in range(200)]
     for viewer in viewers:
