@@ -10,7 +10,7 @@ import contextlib
 import os
 import socket
 import sys
-from typing import Iterator
+from typing import Optional
 from urllib.parse import urlsplit
 
 _ANSWERS = 2.0
@@ -18,36 +18,40 @@ _ANSWERS = 2.0
 _ME = "/run_sh"
 
 
-def others(master_uri: str, namespace: str) -> Iterator[str]:
-    """Names of nodes that run, publish the clock or are called as those that would be started."""
+def running(master_uri: str, namespace: str) -> Optional[str]:
+    """Find a node that answers, and publishes the clock or has the name of one to be started."""
     there = urlsplit(master_uri)
     # Mostly there is no master, and what follows takes longer to import than this.
     socket.create_connection((there.hostname or "", there.port or 11311), _ANSWERS).close()
-    from xmlrpc.client import Error, ServerProxy
+    from xmlrpc.client import ServerProxy
+
+    from telex_control.ros.start_order import NO_ANSWER
 
     socket.setdefaulttimeout(_ANSWERS)
     master = ServerProxy(master_uri)
-    with contextlib.suppress(Error):
+    own = {f"/{namespace.strip('/')}/{name}" for name in ("simulator", "video_server")}
+    with contextlib.suppress(*NO_ANSWER):
         publishers = master.getSystemState(_ME)[2][0]
         clocks = {node for topic, nodes in publishers if topic == "/clock" for node in nodes}
-        own = {f"/{namespace.strip('/')}/{name}" for name in ("simulator", "video_server")}
         for node in sorted(clocks | own):
             code, _, address = master.lookupNode(_ME, node)
             # A master remembers nodes that were killed.
-            with contextlib.suppress(OSError, Error):
+            with contextlib.suppress(*NO_ANSWER):
                 if code == 1 and ServerProxy(address).getPid(_ME)[0] == 1:
-                    yield node
+                    return node
+    return None
 
 
 def main() -> int:
     """Look at the master of ROS_MASTER_URI, for the namespace that is given."""
     try:
-        for node in others(os.environ["ROS_MASTER_URI"], sys.argv[1]):
-            print(node)
-            return 1
+        node = running(os.environ["ROS_MASTER_URI"], sys.argv[1])
     except (OSError, ValueError):
         return 0  # roslaunch says what is wrong with it
-    return 0
+    if node is None:
+        return 0
+    print(node)
+    return 1
 
 
 if __name__ == "__main__":

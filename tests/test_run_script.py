@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib.util
 import json
 import os
@@ -11,6 +12,8 @@ import select
 import signal
 import socket
 import subprocess
+import sys
+import threading
 import time
 import urllib.error
 import urllib.request
@@ -83,6 +86,19 @@ def private(tmp_path):
     marker = f"http://127.0.0.1:{free_port()}"
     inherited = {key: text for key, text in os.environ.items() if key not in OPENS_ROS}
     return marker, {**inherited, "ROS_MASTER_URI": marker, "ROS_LOG_DIR": str(tmp_path)}
+
+
+def run(*arguments, timeout, environment=None):
+    """Start run.sh where it will not get far, and wait for its end."""
+    return subprocess.run(
+        ["./launch_scripts/run.sh", *arguments],
+        cwd=ROOT,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=timeout,
+        check=False,
+    )
 
 
 def listening(session_marker):
@@ -190,15 +206,8 @@ def test_run_starts_everything_and_ctrl_c_leaves_nothing(private):
         for command in open_ones:
             assert "/rosout/rosout" in command or "/robot_state_publisher " in command
         assert "ROS is open" not in terminal.text
-        second = subprocess.run(
-            ["./launch_scripts/run.sh", "video_port:=0", "bridge_port:=0"],
-            cwd=ROOT,
-            env=environment,
-            capture_output=True,
-            text=True,
-            timeout=60.0,
-            check=False,
-        )
+        ports = ("video_port:=0", "bridge_port:=0")
+        second = run(*ports, environment=environment, timeout=60.0)
         assert second.returncode == 2
         assert f"/telex/simulator runs already on the ROS master {marker}" in second.stderr
         assert processes_of(marker.encode()) != []
@@ -272,6 +281,32 @@ def test_ctrl_c_while_it_starts_leaves_nothing_either(private, delay):
     assert os.WEXITSTATUS(status) == 130
 
 
+@pytest.mark.parametrize("said", [b"", b"nonsense", b"HTTP/1.0 200 OK\r\n\r\n<html>"])
+def test_what_is_no_master_runs_no_simulator(said):
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def serve():
+            with contextlib.suppress(OSError):  # the server is closed at the end
+                while True:
+                    client, _ = server.accept()
+                    client.recv(4096)
+                    client.sendall(said)
+                    client.close()
+
+        threading.Thread(target=serve, daemon=True).start()
+        address = "http://{}:{}".format(*server.getsockname())
+        done = subprocess.run(
+            [sys.executable, "launch_scripts/running.py", "telex"],
+            cwd=ROOT,
+            env={**os.environ, "ROS_MASTER_URI": address},
+            capture_output=True,
+            text=True,
+            timeout=30.0,
+            check=False,
+        )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
 @pytest.mark.ros
 @pytest.mark.waiting
 def test_a_port_in_use_is_said_and_ends_the_start(private):
@@ -322,14 +357,7 @@ def test_a_start_that_fails_says_why_and_leaves_nothing(private):
     ],
 )
 def test_an_argument_that_nobody_asks_for_is_refused_at_once(arguments):
-    done = subprocess.run(
-        ["./launch_scripts/run.sh", *arguments],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=30.0,
-        check=False,
-    )
+    done = run(*arguments, timeout=30.0)
     assert done.returncode == 2
     assert f"unknown argument '{arguments[-1]}'; there are: ns:= gui:= " in done.stderr
     assert " world:= " in done.stderr
@@ -339,14 +367,7 @@ def test_an_argument_that_nobody_asks_for_is_refused_at_once(arguments):
 
 @pytest.mark.parametrize("name", ["token", "instructor_token"])
 def test_a_token_on_the_command_line_is_refused_and_not_shown(name):
-    done = subprocess.run(
-        ["./launch_scripts/run.sh", f"{name}:=sesame"],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=30.0,
-        check=False,
-    )
+    done = run(f"{name}:=sesame", timeout=30.0)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith(f"run.sh: {name}:= is gone")
     assert f"give {name}_file:=FILE" in done.stderr
@@ -371,15 +392,7 @@ def test_roslaunch_refuses_it_too(launch_file, name):
 @pytest.mark.parametrize("address", ["0.0.0.0", "192.0.2.77", "no.such.host.invalid"])
 def test_ros_is_not_opened_at_what_is_no_address_of_this_machine(private, address):
     _, environment = private
-    done = subprocess.run(
-        ["./launch_scripts/run.sh", f"ros_address:={address}"],
-        cwd=ROOT,
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=60.0,
-        check=False,
-    )
+    done = run(f"ros_address:={address}", environment=environment, timeout=60.0)
     assert done.returncode == 2
     assert f"ros_address:={address} is no name or address of this machine" in done.stderr
 

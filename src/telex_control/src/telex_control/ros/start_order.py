@@ -18,6 +18,9 @@ from typing import Any, List
 from xml.parsers.expat import ExpatError
 from xmlrpc.client import Error, ServerProxy
 
+NO_ANSWER = (OSError, Error, ExpatError, http.client.HTTPException)
+"""What a call to a master or a node raises where nobody answers, or something else does."""
+
 START_AFTER = "TELEX_START_AFTER"
 """Environment variable with the full names of what comes first, separated by blanks."""
 
@@ -67,7 +70,7 @@ def _unknown(address: str, names: List[str]) -> List[str]:
     try:
         with ServerProxy(address) as master:
             return [name for name in names if not _is_known(master, name)]
-    except (OSError, Error, ExpatError, http.client.HTTPException):
+    except NO_ANSWER:
         return names
 
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import http.client
 from typing import Any
-from xml.parsers.expat import ExpatError
-from xmlrpc.client import Error
 
 import rospy
 from telex_msgs.msg import CameraRadiation, ComponentDoses, Dosimeter
+
+from telex_control.ros.start_order import NO_ANSWER
 
 from ...engine.exposure import Exposure
 from ...engine.simulation import Simulation
@@ -48,7 +47,7 @@ class RadiationPublisher:
         name = f"{self._robot.namespace}/cameras/cameras"
         try:
             self._described = rospy.get_param(name, {})
-        except (OSError, Error, ExpatError, http.client.HTTPException) as error:
+        except NO_ANSWER as error:
             rospy.logwarn("%s cannot be read: %s; the cameras known last count", name, error)
 
     def publish(self, simulation: Simulation, stamp: rospy.Time) -> None:
