@@ -217,18 +217,30 @@ class Simulation:
 
     def _place_again(self, robot: Robot, others: Sequence[Robot]) -> None:
         """Put a further robot where `_place` does, or aside where something else stands by now."""
-        before = self.world.bodies()
         try:
-            self._place(robot, others)
-            name = f"robot '{robot.model}'"
-            check_place(self.world, robot.body, self._owners(others), name)
+            self._place_in_room(robot, others, f"robot '{robot.model}'")
         except ConfigError as error:
-            self.world.remove_others(before)
             start = self.scene.start
             robot.place(self.world, start, self.objects.material)
             move_aside(self.world, robot.body, start.yaw)
             x, y, _ = robot.body.base_pose()[0]
             _log.warning("%s; it begins at x %.1f, y %.1f", error, x, y)
+
+    def _place_in_room(self, robot: Robot, others: Sequence[Robot], name: str) -> None:
+        """Put a further robot where `_place` does; where it stands in something, it is not there.
+
+        Raises
+        ------
+        ConfigError, UrdfError, WorldError
+            It cannot stand there, or cannot be made.
+        """
+        before = self.world.bodies()
+        try:
+            self._place(robot, others)
+            check_place(self.world, robot.body, self._owners(others), name)
+        except BaseException:
+            self.world.remove_others(before)
+            raise
 
     def _check_start(self) -> None:
         """Refuse a start that would throw objects or the robot; a reset leads back to it.
@@ -472,15 +484,10 @@ class Simulation:
             raise ConfigError(f"model is '{robot.model}'; another name is needed")
         if any(robot.namespace == each.namespace for each in self.robots):
             raise ConfigError(f"namespace is '{robot.namespace}'; there is a robot already")
-        before = self.world.bodies()
         try:
-            self._place(robot, self.robots)
-            check_place(self.world, robot.body, self._owners(self.robots), "it")
-        except Exception as error:
-            self.world.remove_others(before)
-            if isinstance(error, (ConfigError, UrdfError, WorldError)):
-                raise ConfigError(str(error)) from error
-            raise
+            self._place_in_room(robot, self.robots, "it")
+        except (ConfigError, UrdfError, WorldError) as error:
+            raise ConfigError(str(error)) from error
         self.robots = (*self.robots, robot)
         self._note_change(f"robot '{robot.model}' was added")
         self._bodies_changed()
