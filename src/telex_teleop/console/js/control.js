@@ -62,16 +62,16 @@ export class ControlView {
   /** Ask, after every new connection, who this page is. */
   async connected() {
     const connection = (this._connections += 1);
-    let id = null; // of a bridge that has no control lock
-    for (let isAsked = true; isAsked;) {
+    let id = null, isLate = false; // without an answer it is a bridge that has no control lock
+    do {
       try {
         id = (await this._bridge.call(this._topic("bridge/who_am_i"), {}, WHO_WITHIN)).message;
-        isAsked = false;
+        isLate = false;
       } catch (error) {
-        isAsked = /** @type {Error} */ (error).name === "TimeoutError" && connection === this._connections;
+        isLate = /** @type {Error} */ (error).name === "TimeoutError";
       }
-    }
-    if (connection !== this._connections) return;
+      if (connection !== this._connections) return;
+    } while (isLate);
     this._id = id;
     this._show();
   }

@@ -1,4 +1,4 @@
-"""What JSON can spell and nothing else can hold."""
+"""Checks of plain data that came as JSON, or as the name of a file."""
 
 from __future__ import annotations
 
@@ -15,3 +15,12 @@ def require_text(content: Any) -> None:
         Such a text could be neither stored nor sent.
     """
     json.dumps(content, ensure_ascii=False).encode()
+
+
+def is_text(text: str) -> bool:
+    """Whether a text is one; see `require_text`."""
+    try:
+        require_text(text)
+    except ValueError:
+        return False
+    return True

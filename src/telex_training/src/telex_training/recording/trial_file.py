@@ -21,6 +21,7 @@ from ..judging.judge import Judge
 from ..judging.sheet import is_sheet, sheet_text
 from ..judging.workload import INPUT as TLX
 from ..judging.workload import workload_of
+from ..plain_data import is_text
 from .reader import Recording, read_recording
 from .signature import CHANGED, Signature, verified
 from .writer import Attachment, RecordingError
@@ -239,9 +240,7 @@ def read_workload(path: Path) -> Optional[Dict[str, Any]]:
 def trials(folder: Path) -> List[Path]:
     """Recordings of a folder, the newest last; those whose name is no UTF-8 are none."""
     found = (path for path in folder.glob(f"*{SUFFIX}") if not path.name.startswith("."))
-    return sorted(
-        path for path in found if not any("\ud800" <= each <= "\udfff" for each in path.name)
-    )
+    return sorted(path for path in found if is_text(path.name))
 
 
 def attached_text(recording: Recording, name: str) -> str:
