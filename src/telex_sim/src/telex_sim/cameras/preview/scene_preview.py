@@ -47,7 +47,8 @@ _NEAR, _FAR = 0.05, 300.0
 _MAST, _BALL = 0.04, 0.12
 _MAST_COLOR, _BALL_COLOR = (0.85, 0.85, 0.85, 1.0), (0.9, 0.1, 0.1, 1.0)
 
-# From where a scene without views is looked at; of any length.
+# From where a scene without views is looked at; of any length. Of its distance, against that from
+# which all of the scene just fits.
 _MARGIN = 1.05
 _USUAL_SIDE = (-1.0, -0.8, 0.75)
 _USUAL_FOV = 0.9
@@ -271,7 +272,7 @@ def framed(subject: Subject, fov: float, aspect: float) -> Viewpoint:
     turn = looking(_USUAL_SIDE, (0.0, 0.0, 0.0))[:3, :3]
     corners = np.array(list(itertools.product(*zip(low - middle, high - middle)))) @ turn
     wide = math.tan(0.5 * fov)
-    # From further away, what stands before the middle of it is in the picture as well.
+    # How far from the middle the eye must be for each corner to be in the picture.
     needed = np.abs(corners[:, :2]) / (wide, wide / aspect) - corners[:, 2:]
     eye = middle - _MARGIN * float(needed.max()) * turn[:, 2]
     return Viewpoint((eye[0], eye[1], eye[2]), (middle[0], middle[1], middle[2]), fov)
