@@ -426,6 +426,7 @@ class TestServices:
             (0.1, {}, "norm"),
             (0.0, {"free_axis": "w"}, "free_axis is 'w'"),
             (0.0, {"position_tolerance": -1.0}, "position_tolerance is -1.0"),
+            (0.0, {"orientation_tolerance": 1e-15}, "must be at least 1e-12, or 0"),
         ],
     )
     def test_bad_requests_for_joints_are_refused_with_the_reason(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 
 import numpy as np
 import pybullet
@@ -186,6 +187,35 @@ class TestWhatHappened:
         replay = Replay.open(record(tmp_path / "t1.mcap", trial.entries, ending=ending), {})
         again = Replay.open(record(tmp_path / "t2.mcap", trial.entries), {})
         assert replay.marks() == again.marks()
+
+    @pytest.mark.parametrize(
+        "odd",
+        [
+            {"events": [7]},
+            {"events": [{"event": ["begin"], "time": 1.0}]},
+            {"events": [], "real_time_factor": 1.0},
+            {"events": [], "real_time_factor": {"slow": [3.0]}},
+        ],
+    )
+    def test_what_the_judge_would_not_write_is_judged_anew(self, tmp_path, odd):
+        trial = drill()
+        ending = {"sheet.json": sheet_attachment(json.dumps(odd))}
+        replay = Replay.open(record(tmp_path / "t1.mcap", trial.entries, ending=ending), {})
+        again = Replay.open(record(tmp_path / "t2.mcap", trial.entries), {})
+        assert replay.marks() == again.marks()
+        assert replay.stretches() == again.stretches()
+
+    @pytest.mark.parametrize("time", [math.nan, -math.inf, 10**400])
+    def test_an_event_at_no_time_is_no_mark(self, tmp_path, time):
+        events = [
+            {"event": "begin", "time": time},
+            {"event": "note", "time": 1.0, "detail": {"at": time}},
+        ]
+        ending = {"sheet.json": sheet_attachment(json.dumps({"events": events}))}
+        replay = Replay.open(record(tmp_path / "t1.mcap", drill().entries, ending=ending), {})
+        (mark,) = replay.marks()
+        assert mark["event"] == "note"
+        assert math.isfinite(mark["time"])
 
     def test_notes_at_moments_stand_among_them(self, tmp_path):
         ending = {"sheet.json": sheet_attachment(drill().judge.text())}

@@ -14,6 +14,7 @@ from telex_msgs.srv import ComputeFK, ComputeFKResponse, ComputeIK, ComputeIKRes
 
 from telex_control.common.geometry.matrices import inverse
 from telex_control.kinematics import Chain, IKSolver, KinematicsError, Tolerance
+from telex_control.kinematics.inverse.options import SMALLEST_TOLERANCE
 from telex_control.ros.pose_messages import fill_pose, pose_in
 from telex_teleop.arm.arm_settings import FrameSettings
 from telex_teleop.arm.tool_command import Frame
@@ -150,8 +151,11 @@ class KinematicsServices:
 def _tolerance(request: Any) -> Tolerance:
     for name in ("position_tolerance", "orientation_tolerance"):
         value = getattr(request, name)
-        if not (math.isfinite(value) and value >= 0.0):
-            raise InvalidCommand(f"{name} is {value!r}; must be above 0, or 0 for the usual one")
+        if value != 0.0 and not SMALLEST_TOLERANCE <= value < math.inf:
+            raise InvalidCommand(
+                f"{name} is {value!r}; must be at least {SMALLEST_TOLERANCE:g},"
+                " or 0 for the usual one"
+            )
     if request.free_axis not in ("", "x", "y", "z"):
         raise InvalidCommand(f"free_axis is {request.free_axis!r}; must be x, y, z or empty")
     if request.position_only and request.free_axis:

@@ -65,6 +65,8 @@ _MARKS = {
     "end": "end",
 }
 """Kinds of marks on the timeline, by the judge's events."""
+_LONGEST = 1e9
+"""Time (s) beyond which a number is none."""
 
 
 class SilentCameraError(Exception):
@@ -184,7 +186,7 @@ class Replay:
     def _sheet_of(self, recording: Recording) -> Dict[str, Any]:
         """The sheet that it ends with, or the one that its entries make."""
         sheet = _struct(recording, SHEET)
-        return sheet if isinstance(sheet.get("events"), list) else judged(recording).sheet()
+        return sheet if _can_be_shown(sheet) else judged(recording).sheet()
 
     def compare(self, software: str, meshes: Mapping[str, str]) -> List[str]:
         """What of this machine is not what the trial was recorded with.
@@ -308,7 +310,7 @@ class Replay:
             at = detail.get("at") if isinstance(detail, dict) else None
             made.append(
                 {
-                    "time": float(at) if isinstance(at, (int, float)) else time,
+                    "time": float(at) if _is_time(at) else time,
                     "kind": kind,
                     "event": event["event"],
                     "name": event.get("name", ""),
@@ -364,7 +366,7 @@ class Replay:
 
     def _replayed(self, time: Any) -> Optional[float]:
         """Time of the replay (s) of a sim time that the sheet has."""
-        if isinstance(time, bool) or not isinstance(time, (int, float)):
+        if not _is_time(time):
             return None
         stamps = self.timeline.stamps
         if (np.diff(stamps) >= 0).all():
@@ -372,6 +374,25 @@ class Replay:
         # The simulator began anew: the first sample of that time.
         nearest = int(np.argmin(np.abs(stamps / 1e9 - time)))
         return round(float(self.timeline.times[nearest]), 3)
+
+
+def _is_time(value: Any) -> bool:
+    """Whether plain data is a time (s); of NaN and what JSON calls Infinity, nothing is."""
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    return number and abs(value) < _LONGEST
+
+
+def _can_be_shown(sheet: Mapping[str, Any]) -> bool:
+    """Whether a sheet has events and slow spans as the judge writes them."""
+    events = sheet.get("events")
+    real_time = sheet.get("real_time_factor", {})
+    slow = real_time.get("slow", []) if isinstance(real_time, dict) else None
+    return (
+        isinstance(events, list)
+        and all(isinstance(each, dict) and isinstance(each.get("event"), str) for each in events)
+        and isinstance(slow, list)
+        and all(isinstance(each, list) and len(each) == 2 for each in slow)
+    )
 
 
 def _struct(recording: Recording, name: str) -> Dict[str, Any]:

@@ -9,6 +9,8 @@ from typing import Optional, Tuple
 from telex_control.common.params import require, require_choice, require_range
 
 FREE = math.inf
+SMALLEST_TOLERANCE = 1e-12
+"""m and rad; below, rounding of the forward kinematics decides."""
 _NONE = (0.0, 0.0, 0.0)
 
 
@@ -63,8 +65,7 @@ class Tolerance:
 
     def __post_init__(self) -> None:
         for name in ("position", "rotation"):
-            # Below, rounding of the forward kinematics decides.
-            require_range(self, name, 1e-12)
+            require_range(self, name, SMALLEST_TOLERANCE)
         for name in ("position_bounds", "rotation_bounds"):
             bounds = getattr(self, name)
             require(
