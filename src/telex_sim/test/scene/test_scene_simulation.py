@@ -208,6 +208,16 @@ def test_all_that_one_entry_made_goes_together_or_singly(robot, scene):
     assert simulation.objects.frames() == []
 
 
+@pytest.mark.parametrize("kind", ["source_container", "beam_line"])
+def test_a_second_entry_of_several_objects_gets_a_free_name_as_well(robot, kind):
+    simulation = robot().simulation
+    for number, y in enumerate((6.0, 12.0), 1):
+        plans = simulation.plan(f"{{type: {kind}, position: [0, {y}, 0]}}")
+        assert len(plans) > 1
+        assert {plan.source.entry for plan in plans} == {f"{kind}_{number}"}
+        simulation.spawn(plans)
+
+
 def test_a_reset_brings_back_what_the_scene_file_says(robot, scene):
     tested = robot(
         world=scene(

@@ -583,7 +583,7 @@ class Simulation:
         ------
         ConfigError
         """
-        taken = [item.name for item in self.objects.objects()]
+        taken = self.objects.names()
         plans = plan_entry(text, name, folder, taken, self._assets, self._step_size)
         check_names(plans, self._models())
         return plans

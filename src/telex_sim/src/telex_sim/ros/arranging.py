@@ -131,8 +131,7 @@ class Arranging:
     def _plans(self, asked: str) -> Optional[List[Assembly]]:
         """Read the entry that is asked about; None: it is the name of an object, or nothing."""
         objects = self._simulation.objects
-        names = [item.name for item in objects.objects()]
-        if not asked or asked in names:
+        if not asked or asked in (item.name for item in objects.objects()):
             return None
         if ":" not in asked:
             raise ConfigError(
@@ -140,7 +139,7 @@ class Arranging:
             )
         models = [robot.model for robot in self._simulation.robots]
         floor = self._simulation.scene.floor
-        return self._rehearsal.entry(asked, "", "", names, models, floor)
+        return self._rehearsal.entry(asked, "", "", objects.names(), models, floor)
 
     # --- the loop's thread -----------------------------------------------------------------------
 

@@ -295,7 +295,7 @@ class SimulatorNode:
                     request.object,
                     request.name,
                     request.folder,
-                    [item.name for item in simulation.objects.objects()],
+                    simulation.objects.names(),
                     [robot.model for robot in simulation.robots],
                     simulation.scene.floor,
                 )

@@ -130,7 +130,7 @@ def plan_entry(
     folder : str
         That relative addresses start from; empty allows none.
     taken : collection of str
-        Names of the objects that there are.
+        Names of the objects that there are, and of their entries.
 
     Raises
     ------

@@ -99,6 +99,11 @@ class SceneBodies:
         """All objects, in the order in which they came; may be called from any thread."""
         return [placed.assembly.source for placed in list(self._placed.values())]
 
+    def names(self) -> List[str]:
+        """Names that are taken: of all objects, and of entries; may be called from any thread."""
+        objects = self.objects()
+        return list(dict.fromkeys(name for item in objects for name in (item.name, item.entry)))
+
     def assemblies(self) -> List[Assembly]:
         """What each of them consists of; may be called from any thread."""
         return [placed.assembly for placed in list(self._placed.values())]
