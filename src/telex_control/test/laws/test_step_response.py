@@ -14,9 +14,11 @@ import rospkg
 import yaml
 
 from telex_control.common.params import ConfigError
-from telex_control.step_response import command_line, report, table
+from telex_control.manager.client import STRICT
+from telex_control.step_response import command_line, report, ros_session, table
 from telex_control.step_response.analysis import StepRecording, StepRecordingError, analyse
 from telex_control.step_response.plan import CURRENT, Plan
+from telex_control.step_response.ros_session import RosRig
 from telex_control.step_response.runner import Runner, StepError, fitted_step
 from telex_control.urdf.joints import UrdfJoint
 
@@ -283,6 +285,101 @@ def test_a_step_without_room_is_refused():
     assert fitted_step(joint(), 0.9, 0.4) == -0.4
     with pytest.raises(StepError, match="leaves its limits, -1.000 to 1.000, both ways"):
         fitted_step(joint(), 0.0, 1.2)
+
+
+def test_a_joint_without_a_step_is_refused_before_anything_moves(joints):
+    rig = FakeRig(a_joint=0.0, b_joint=0.0)
+    runner = Runner(rig, Plan(config(), POSES), {**joints, "c_joint": joint("c_joint")})
+    with pytest.raises(ConfigError, match="postures/up/steps has no 'c_joint'"):
+        list(runner.run(["up"], ["a_joint", "c_joint"]))
+    assert rig.commands == []
+
+
+# --- raw steps over ROS -------------------------------------------------------------------------
+
+
+class FakeManager:
+    """One controller; `refused` says which calls fail."""
+
+    def __init__(self):
+        self.running = self.loaded = True
+        self.refused = set()
+        self.params = {"/r/c": {"joint": "j", "command_limits": True}}
+        self.used = dict(self.params["/r/c"])
+
+    def switch(self, start, stop, strictness=STRICT):
+        if "stop" in self.refused and stop:
+            return False
+        if strictness == STRICT and self.running is not bool(stop):
+            return False
+        self.running = self.loaded and (self.running or bool(start)) and not stop
+        return self.loaded
+
+    def unload(self, name):
+        done, self.loaded = self.loaded and not self.running, self.running
+        return done
+
+    def load(self, name):
+        if "load" in self.refused or self.loaded:
+            return False
+        self.loaded, self.used = True, dict(self.params["/r/c"])
+        return True
+
+
+@pytest.fixture
+def raw_rig(monkeypatch):
+    rig = RosRig.__new__(RosRig)
+    rig._namespace, rig._controllers, rig._states = "/r", {"j": "c"}, {}
+    rig._manager = manager = FakeManager()
+    rig._await_controller = lambda name: None
+    monkeypatch.setattr(ros_session.rospy, "get_param", manager.params.get)
+    monkeypatch.setattr(ros_session.rospy, "set_param", manager.params.__setitem__)
+    return rig
+
+
+def assert_as_before(manager):
+    shaped = {"joint": "j", "command_limits": True}
+    assert (manager.params["/r/c"], manager.used, manager.running) == (shaped, shaped, True)
+
+
+def test_a_raw_step_leaves_the_controller_as_it_was(raw_rig):
+    with raw_rig.raw("j"):
+        assert raw_rig._manager.used == {"joint": "j"}
+        assert raw_rig._manager.running
+    assert_as_before(raw_rig._manager)
+
+
+@pytest.mark.parametrize("ended", [StepError("the emergency stop is pressed"), KeyboardInterrupt()])
+def test_a_raw_step_that_breaks_off_leaves_the_controller_as_it_was(raw_rig, ended):
+    waited = []
+
+    def wait(name):
+        waited.append(name)
+        if len(waited) == 1 or isinstance(ended, StepError):
+            raise ended if len(waited) == 1 else StepError("another reason")
+
+    raw_rig._await_controller = wait
+    with pytest.raises(type(ended)) as raised, raw_rig.raw("j"):
+        raise AssertionError("it was not loaded")
+    assert raised.value is ended
+    assert_as_before(raw_rig._manager)
+
+
+@pytest.mark.parametrize("call", ["stop", "load"])
+def test_a_controller_that_cannot_be_made_raw_gets_its_parameters_back(raw_rig, call):
+    manager = raw_rig._manager
+    manager.refused.add(call)
+    with pytest.raises(StepError, match="c cannot be loaded anew"), raw_rig.raw("j"):
+        raise AssertionError("it was not loaded")
+    assert manager.params["/r/c"] == {"joint": "j", "command_limits": True}
+
+
+def test_a_controller_that_was_stopped_or_unloaded_meanwhile_is_loaded_as_it_was(raw_rig):
+    manager = raw_rig._manager
+    for loaded in (True, False):
+        with raw_rig.raw("j"):
+            manager.running, manager.loaded = False, loaded
+        assert_as_before(manager)
 
 
 # --- output -------------------------------------------------------------------------------------

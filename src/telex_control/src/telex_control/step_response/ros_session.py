@@ -14,7 +14,7 @@ from rosgraph import Master
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 
-from ..manager.client import ControllerManagerClient
+from ..manager.client import BEST_EFFORT, STRICT, ControllerManagerClient
 from ..urdf.joints import UrdfError, UrdfJoint, joints, parse_urdf
 from .analysis import StepRecording, StepRecordingError
 from .runner import StepError
@@ -177,25 +177,36 @@ class RosRig:
     def raw(self, joint: str) -> Iterator[None]:
         """See `StepRig`.
 
-        The controller is loaded anew without what shapes its reference, and afterwards as it was.
+        The controller is loaded anew without what shapes its reference, and afterwards as it was,
+        also when that or the step breaks off.
         """
         name = self._controllers[joint]
         key = f"{self._namespace}/{name}"
         params = rospy.get_param(key)
         bare = {each: value for each, value in params.items() if each not in SHAPING}
-        self._reload(joint, key, bare)
         try:
+            self._reload(joint, key, bare, STRICT)
             yield
-        finally:
-            self._reload(joint, key, params)
+        except BaseException:
+            try:
+                self._reload(joint, key, params, BEST_EFFORT)
+            except (StepError, rospy.ServiceException) as error:
+                # What broke the step off is what the program ends with.
+                rospy.logwarn("%s, loaded as it was: %s", name, error)
+            raise
+        self._reload(joint, key, params, BEST_EFFORT)
 
-    def _reload(self, joint: str, key: str, params: Dict[str, Any]) -> None:
+    def _reload(self, joint: str, key: str, params: Dict[str, Any], strictness: int) -> None:
+        """Load a controller with other parameters.
+
+        With BEST_EFFORT it may be stopped, or not loaded at all.
+        """
         name = self._controllers[joint]
         rospy.set_param(key, params)
         self._states.pop(joint, None)
+        gone = self._manager.switch([], [name], strictness) and self._manager.unload(name)
         done = (
-            self._manager.switch([], [name])
-            and self._manager.unload(name)
+            (gone or strictness == BEST_EFFORT)
             and self._manager.load(name)
             and self._manager.switch([name], [])
         )

@@ -150,7 +150,15 @@ class Runner:
             False: as the controller shapes its reference; True: raw.
         size : float, optional
             Of the steps in place of the plan's, above 0 (degrees, mm).
+
+        Raises
+        ------
+        ConfigError
+            Before anything moves: the plan has no step for one of the joints.
         """
+        for posture in postures:
+            for joint in joints:
+                self._plan.step(posture, joint)
         home = {joint: self._rig.reference(joint) for joint in self._joints}
         away = False
         for posture in postures:
