@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pybullet
@@ -24,6 +25,7 @@ from telex_sim.scene.model import (
     ObjectModel,
     Part,
     SceneObject,
+    Surface,
 )
 
 TURNED = (0.1825742, 0.3651484, 0.5477226, 0.7302967)
@@ -230,6 +232,14 @@ def test_more_shapes_than_pybullet_takes_at_once_all_collide(stage):
     assert sum(shares) == pytest.approx(20.0)
     tested.run(1.0)
     assert tested.pose("comb/body")[0][2] == pytest.approx(0.0, abs=2e-3)
+
+
+def test_each_body_of_a_large_object_is_of_its_material(stage):
+    wood = replace(box((0.1, 0.1, 0.5)), surface=Surface(texture="generated:wood"))
+    blocks = [replace(wood, position=(0.2 * n, 0.0, 0.25)) for n in range(40)]
+    objects = stage(thing("wall", blocks, 0.0), cube("plain", (0.0, 3.0, 0.0))).objects
+    assert [objects.material(uid, -1) for uid in objects.bodies_of("wall")] == ["wood"] * 3
+    assert objects.material(objects.bodies_of("plain")[0], -1) == ""
 
 
 def test_static_meshes_collide_as_they_are_and_moving_ones_as_their_hulls(stage, tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pybullet
 import pytest
@@ -277,6 +278,24 @@ def test_a_released_body_is_not_taken_again_before_it_has_left(stage):
     tested.objects.latch("connector", "latch").release()
     tested.run(0.02)
     assert not tested.objects.latch("connector", "latch").holds
+
+
+def test_a_held_body_touches_no_body_of_a_large_parent(stage):
+    model = plug().model
+    away = [box((0.02, 0.02, 0.02), (0.0, 1.0 + 0.1 * n, 0.01)) for n in range(16)]
+    round_plug = box((0.1, 0.05, 0.05), (0.081, 0.0, 0.25))
+    socket = Link("socket", 0.0, (*away, round_plug))
+    tested = stage(SceneObject("connector", replace(model, links=(socket, model.links[1]))))
+    _, further, held = tested.objects.bodies_of("connector")
+    latch = tested.objects.latch("connector", "latch")
+
+    def touch():
+        tested.run(tested.step_size)
+        return bool(pybullet.getContactPoints(further, held, physicsClientId=tested.client))
+
+    assert not touch()
+    latch.release()
+    assert touch()
 
 
 def test_a_latch_on_a_part_that_moves(stage):

@@ -140,12 +140,19 @@ class BodyPlan:
 
 @dataclass(frozen=True)
 class LatchPlan:
-    """A latch between two bodies of an assembly, by their indices."""
+    """A latch between two bodies of an assembly, by their indices.
+
+    Attributes
+    ----------
+    parent_shares : tuple of int
+        Further bodies of a parent that stands fast.
+    """
 
     joint: Joint
     parent_body: int
     parent_segment: int
     child_body: int
+    parent_shares: Tuple[int, ...]
 
 
 @dataclass(frozen=True)
@@ -189,12 +196,15 @@ def assemble(item: SceneObject, assets: Assets, step_size: float) -> Assembly:
         for plan in _plan_bodies(links, static, poses[root], joints, assets):
             home.update({s.link: len(bodies) for s in plan.segments if s.link})
             bodies.append(plan)
+    # Only what stands fast without joints, the root, consists of several.
+    shares = tuple(number for number, plan in enumerate(bodies) if not plan.segments[0].link)
     latches = tuple(
         LatchPlan(
             joint,
             home[joint.parent],
             bodies[home[joint.parent]].segment_of(joint.parent),
             home[joint.child],
+            shares if home[joint.parent] == 0 else (),
         )
         for joint in model.joints
         if joint.motion is Motion.LATCH

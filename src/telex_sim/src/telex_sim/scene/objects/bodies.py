@@ -445,8 +445,11 @@ class SceneBodies:
             segment = segments[link + 1]
             while not segment.link and segment.parent >= 0:
                 segment = segments[segment.parent]
-            for item in placed.assembly.source.model.links:
-                if item.name == segment.link:
+            links = placed.assembly.source.model.links
+            # Further bodies of one that stands fast are shares of its first link.
+            name = segment.link or links[0].name
+            for item in links:
+                if item.name == name:
                     found = [part.surface.material for part in item.parts if part.surface]
                     return next(filter(None, found), "")
         return ""
@@ -499,6 +502,7 @@ class SceneBodies:
                 (bodies[plan.parent_body], plan.parent_segment - 1),
                 bodies[plan.child_body],
                 self._step_size,
+                [bodies[number] for number in plan.parent_shares],
             )
             for plan in assembly.latches
         )

@@ -8,7 +8,7 @@ the body creep instead of coming loose.
 from __future__ import annotations
 
 import math
-from typing import Any, Optional, Tuple
+from typing import Any, Optional, Sequence, Tuple
 
 import pybullet
 
@@ -51,14 +51,23 @@ class Latch:
         Body that it holds by its base.
     step_size : float
         Time between calls of `apply` (s).
+    shares : sequence of int
+        Further bodies of the parent, which stands fast.
     """
 
     def __init__(
-        self, client: int, joint: Joint, parent: Tuple[int, int], child: int, step_size: float
+        self,
+        client: int,
+        joint: Joint,
+        parent: Tuple[int, int],
+        child: int,
+        step_size: float,
+        shares: Sequence[int] = (),
     ) -> None:
         self._client = client
         self._joint = joint
         self._parent = parent
+        self._parents = (parent[0], *shares)
         self._child = child
         self._share = 1.0 - math.exp(-_FEEL_EVERY * step_size / _SMOOTHING)
         self._place: Pose = (joint.position, joint.orientation)
@@ -187,11 +196,12 @@ class Latch:
 
     def _let_collide(self, collide: bool) -> None:
         client = self._client
-        for link in range(-1, pybullet.getNumJoints(self._parent[0], physicsClientId=client)):
-            for other in range(-1, pybullet.getNumJoints(self._child, physicsClientId=client)):
-                pybullet.setCollisionFilterPair(
-                    self._parent[0], self._child, link, other, int(collide), physicsClientId=client
-                )
+        for parent in self._parents:
+            for link in range(-1, pybullet.getNumJoints(parent, physicsClientId=client)):
+                for other in range(-1, pybullet.getNumJoints(self._child, physicsClientId=client)):
+                    pybullet.setCollisionFilterPair(
+                        parent, self._child, link, other, int(collide), physicsClientId=client
+                    )
 
 
 def wake(client: int, uid: int) -> None:
