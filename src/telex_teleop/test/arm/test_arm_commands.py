@@ -165,6 +165,15 @@ class TestCarrier:
         assert chain is None
         assert "b carry tool_link, but are not among this node's joints" in carrier.lacking
 
+    @pytest.mark.parametrize(
+        ("change", "to"), [('type="revolute"', 'type="fixed"'), ('lower="-1"', 'lower="1"')]
+    )
+    def test_tool_that_cannot_move_against_the_base_is_no_arm(self, change, to):
+        robot = self.robot("a").replace(change, to)
+        chain, carrier, _ = carrier_of(self.settings(), robot, self.axes("a", "camera"))
+        assert chain is None
+        assert "no joint from base_link to tool_link can move" in carrier.lacking
+
     def test_poses_that_do_not_fit_are_left_out_with_the_reason(self):
         poses = {
             "fits": {"a": 1.0, "b": -1.005, "flipper": 9.0},

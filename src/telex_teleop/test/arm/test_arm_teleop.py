@@ -348,6 +348,12 @@ class TestGuard:
         speed = (rig.path()[-1] - rig.path()[-2])[0] / TICK
         assert speed == pytest.approx(-0.3 if mode == "JOINT" else -0.1, rel=1e-6)
 
+    def test_twist_whose_square_is_0_moves_nothing(self, rig):
+        rig.positions["x"] = 0.29  # nearer than it may come
+        rig.run(0.6)
+        rig.cartesian().run(0.6, twist("base", 1e-200, 0.0, 0.0), each=self.wall(rig))
+        assert rig.positions["x"] == pytest.approx(0.29)
+
     def test_joint_that_does_not_close_in_moves_on(self, rig):
         rig.run(4.0, jog(x=0.3, y=0.1), each=self.wall(rig))
         assert rig.positions["x"] < 0.281

@@ -101,6 +101,11 @@ def carrier_of(
         chain = Chain.from_urdf(description, frames.base, frames.tool)
     except (KinematicsError, UrdfError) as error:
         return None, Carrier(lacking=f"not available for this robot: {error}"), []
+    if not (chain.lower < chain.upper).any():
+        lacking = (
+            f"not available for this robot: no joint from {frames.base} to {frames.tool} can move"
+        )
+        return None, Carrier(lacking=lacking), []
     foreign = [joint for joint in chain.joint_names if joint not in axes]
     if foreign:
         lacking = (

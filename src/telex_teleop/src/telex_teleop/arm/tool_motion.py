@@ -276,7 +276,9 @@ class ToolMotion:
         clear = scaled_clear if self._wanted.to_a_pose else slid_clear
         left = clear(twist, effects, clearance.allowed)
         wanted = twist * self._weights
-        share = float(wanted @ (left * self._weights)) / float(wanted @ wanted)
+        size = float(wanted @ wanted)
+        # The square of a twist of 1e-200 is 0.
+        share = float(wanted @ (left * self._weights)) / size if size > 0.0 else 1.0
         nearest = int(np.argmax(np.where(over, closing - clearance.allowed, -np.inf)))
         self.nearness = clearance.nearness(nearest, max(0.0, share))
         return left
