@@ -134,6 +134,27 @@ def test_a_moved_thing_is_at_rest_where_it_was_put_and_what_lay_on_it_falls(yard
     assert there.place("top")[0][2] < 0.1
 
 
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_what_latches_hold_one_on_another_goes_with_it(yard, order):
+    links = ", ".join(
+        f"{{name: {name}, mass: 1.0, parts: [{{box: [0.1, 0.1, 0.1]}}]}}" for name in "abc"
+    )
+    latches = [
+        f"{{name: {parent}{child}, motion: latch, parent: {parent}, child: {child}, "
+        "position: [0, 0, 0.1], hold: 500.0}"
+        for parent, child in ("ab", "bc")
+    ]
+    joints = ", ".join(latches[number] for number in order)
+    there = yard(
+        "{type: custom, name: pile, position: [0, 0, 0.05], "
+        f"links: [{links}], joints: [{joints}]}}"
+    )
+    there.objects.move("pile", ((2.0, 0.0, 0.05), IDENTITY[1]), [])
+    for height, link in enumerate("abc"):
+        position = there.objects.link_pose("pile", link)[0]
+        assert position == pytest.approx((2.0, 0.0, 0.05 + 0.1 * height), abs=1e-6)
+
+
 def test_a_place_that_is_taken_is_refused_and_nothing_has_changed(yard):
     there = yard(
         "{type: crate, name: box, position: [0, 0, 0]}",

@@ -547,10 +547,13 @@ def _can_move(assembly: Assembly) -> bool:
 
 def _held_together(placed: _Placed) -> List[int]:
     """Bodies of an object that go where its root goes: not what is out of its latch."""
-    held = {0}
-    for latch, plan in zip(placed.latches, placed.assembly.latches):
-        if latch.holds and plan.parent_body in held:
-            held.add(plan.child_body)
+    held, before = {0}, 0
+    # A latch may stand before the one that holds its parent.
+    while len(held) > before:
+        before = len(held)
+        for latch, plan in zip(placed.latches, placed.assembly.latches):
+            if latch.holds and plan.parent_body in held:
+                held.add(plan.child_body)
     return [placed.bodies[number] for number in sorted(held)]
 
 
