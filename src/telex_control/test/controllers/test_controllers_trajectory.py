@@ -405,6 +405,23 @@ def test_a_goal_that_is_over_before_the_loop_sees_it_is_aborted(start):
     assert tested.positions() == [0.0, 0.0, 0.0]
 
 
+def test_a_trajectory_that_is_over_before_the_loop_sees_it_ends_nothing_else(start, caplog):
+    tested = start()
+    running = tested.send(trajectory((1.0, [1.0, 0.2, 0.0])))
+    tested.run(0.5)
+    late = trajectory((0.5, [0.0, 0.0, 0.0]), stamp=tested.time - 0.5 + 0.001)
+    goal = tested.send(late)
+    tested.commands.publish(late)
+    tested.bench.time += 0.05
+    tested.run(0.01)
+    assert (goal.status, goal.result.error_code) == ("aborted", -3)
+    assert "c/command: all points lie in the past; the trajectory is dropped" in caplog.text
+    assert running.status == "active"
+    tested.run(0.5)
+    assert running.status == "succeeded"
+    assert tested.positions() == pytest.approx([1.0, 0.2, 0.0])
+
+
 def test_continuous_joints_take_the_nearest_turn(start):
     tested = start(start=False)
     tested.hw.states["wheel"].position = 4.0 * math.pi + 3.0
@@ -562,6 +579,30 @@ def test_the_state_can_be_queried(start):
     assert answer.name == list(NAMES)
     assert answer.position == pytest.approx([0.5, 0.1, 0.0])
     assert answer.velocity == pytest.approx([1.0, 0.2, 0.0])
+
+
+def test_the_state_before_the_trajectory_is_not_known(start):
+    tested = start()
+    tested.run(1.0)
+    tested.hw.states["elbow"].position = 0.7
+    begun = tested.time
+    tested.bench.cycle(reset_controllers=True)
+
+    def position(time):
+        request = QueryTrajectoryStateRequest(genpy.Time.from_sec(time))
+        return tested.node.call_service("c/query_state", request).position[0]
+
+    # Nothing was commanded yet: it holds since it was started. `from_sec` rounds down.
+    assert position(begun) == position(begun + 9.0) == 0.7
+    for time in (0.0, begun - 0.01):
+        with pytest.raises(ServiceError, match=rf"time is {time:.3f} s; .* starts at {begun:.3f}"):
+            position(time)
+    tested.run(0.5)
+    tested.commands.publish(trajectory((1.0, [0.0, 0.2, 0.0])))
+    tested.run(0.5)
+    assert position(tested.time) == pytest.approx(0.35, abs=0.01)
+    with pytest.raises(ServiceError, match="from then on is needed"):
+        position(begun - 0.01)
 
 
 def test_the_state_is_published_at_its_rate(start):

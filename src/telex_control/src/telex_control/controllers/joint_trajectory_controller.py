@@ -41,6 +41,11 @@ from ..trajectory.waypoints import Bounds, TrajectoryError, check_joints, read_t
 from ..urdf.joints import CONTINUOUS
 from .joint_description import joint_description, joint_gravity
 
+_ROUNDING = 1e-6
+"""By so much (s) times differ that went through messages."""
+
+_REPLACED = "replaced by a newer trajectory"
+
 
 class _Joint(Stateful):
     """One joint: its handle, what it is to do, and how far it is from that."""
@@ -217,7 +222,14 @@ class JointTrajectoryController(Controller):
         if not self._running:
             raise ServiceError("the controller is not running; it follows no trajectory")
         time = request.time.to_sec()
-        samples = [joint.path.sample_at(time) for joint in self._joints]
+        paths = [joint.path for joint in self._joints]
+        start = max(path.start_time for path in paths)
+        if time < start - _ROUNDING:
+            raise ServiceError(
+                f"time is {time:.3f} s; the trajectory starts at {start:.3f} s, and a time from "
+                "then on is needed"
+            )
+        samples = [path.sample_at(time) for path in paths]
         return QueryTrajectoryStateResponse(
             name=self._names,
             position=[sample[0] for sample in samples],
@@ -298,10 +310,10 @@ class JointTrajectoryController(Controller):
             )
 
     def _take(self, order: _Order, time: float) -> None:
-        """Replace the trajectory; whatever goal was active is not so any more."""
-        self._cancel("replaced by a newer trajectory")
+        """Replace the trajectory and the active goal, unless what came is over already."""
         goal = order.goal
         if not order.tracks:
+            self._cancel(_REPLACED)
             self._hold(time)
             if goal is not None:
                 self._active = _Active(goal, tuple(self._joints), time, order.tolerances)
@@ -313,11 +325,14 @@ class JointTrajectoryController(Controller):
         passed = max(bisect.bisect_right(times, time - start), before_start)
         if passed == len(times):
             # It was in the future when it came, at the end of the last cycle.
+            text = "all points lie in the past"
             if goal is not None:
-                text = "all points lie in the past"
                 goal.abort(Result(Result.OLD_HEADER_TIMESTAMP, text), text)
-            self._hold(time)
+            else:
+                topic = self._node.resolve("command")
+                self._node.warn(f"{topic}: {text}; the trajectory is dropped")
             return
+        self._cancel(_REPLACED)
         # A first point at the start itself is where planners put the present state.
         if passed > 1 or (passed == 1 and times[0] > 0.0):
             self._node.warn(

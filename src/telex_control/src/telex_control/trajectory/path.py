@@ -114,6 +114,11 @@ class JointPath:
         return cls([SplineSegment(time, start, time + duration, end)])
 
     @property
+    def start_time(self) -> float:
+        """Before this (s) nothing is known of it."""
+        return self._starts[0]
+
+    @property
     def end_time(self) -> float:
         """When its last state is reached (s)."""
         return self._pieces[-1].end_time
