@@ -254,6 +254,10 @@ def test_a_mistake_in_an_object_is_named_from_a_file_and_when_spawned(folder, en
         ("name: !!python/object/apply:os.system [ls]\n", "no YAML: could not determine"),
         ("name: \x07\n", "no YAML"),
         ("start: {x: 2020-13-45}\n", "a value cannot be read"),
+        ("\nhidden: !!bool maybe\n", "line 2: a value is 'maybe'; it does not fit its tag !!bool"),
+        ('start: {x: !!int ""}\n', "line 1: a value is ''; it does not fit its tag !!int"),
+        ('start: {x: !!float ""}\n', "line 1: a value is ''; it does not fit its tag !!float"),
+        ("name: !!timestamp x\n", "line 1: a value is 'x'; it does not fit its tag !!timestamp"),
         ("objects: " + "[" * 50 + "]" * 50, "nested deeper than 24 levels"),
         (
             f"objects:\n - {CUSTOM.replace('type', 'name: a, type')}\n"
