@@ -11,7 +11,7 @@ import rospy
 
 from telex_control.command_lines.spawner import Spawner, SpawnerError, parse, read_file
 from telex_control.common.yaml_files import load_yaml
-from telex_control.manager.controller_joints import controller_joints
+from telex_control.manager.controller_joints import controller_joints, without_joints
 
 PARAMETERS = {
     "arm/states": {"type": "joint_state_controller/JointStateController"},
@@ -153,6 +153,11 @@ def test_optional_controllers_need_a_robot(spawner):
 )
 def test_joints_of_a_controller(params, joints):
     assert controller_joints(params) == joints
+
+
+def test_a_list_of_anything_loses_the_joints_that_are_gone():
+    params = {"joints": ["a", "b"], "rests": [["a"], {"a": 1}, "a", 2]}
+    assert without_joints(params, {"a"}) == {"joints": ["b"], "rests": [["a"], {"a": 1}, 2]}
 
 
 class SlowManager:
@@ -337,6 +342,34 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path, bad):
     file.write_text(f"arm: {{type: a/B, rest: {bad}}}")
     with pytest.raises(SpawnerError, match=f"^{file}: "):
         read_file(str(file))
+
+
+@pytest.mark.parametrize(
+    ("bad", "named"),
+    [
+        ("joint:", "arm/joint is None; text, a number, a list or a struct is needed"),
+        ("since: 2024-01-31", r"arm/since is datetime.date\(2024, 1, 31\); text, a number"),
+        ("rests: [1, [2, ~]]", r"arm/rests\[1\]\[1\] is None; text"),
+        ("gains: {1: 2.0}", "a key of arm/gains is 1; text is needed"),
+        ("gains: {'': 2.0}", "a key of arm/gains is ''; text is needed"),
+        ("gains: {p: 2147483648}", "arm/gains/p is 2147483648; a whole number of 32 bits"),
+        ("low: -2147483649", "arm/low is -2147483649; a whole number of 32 bits"),
+    ],
+)
+def test_what_the_parameter_server_does_not_take_is_named(tmp_path, bad, named):
+    file = tmp_path / "arm.yaml"
+    file.write_text(f"arm:\n  type: a/B\n  {bad}\n")
+    with pytest.raises(SpawnerError, match=f"^{file}: {named}"):
+        read_file(str(file))
+
+
+def test_what_the_parameter_server_takes_is_read(tmp_path):
+    file = tmp_path / "arm.yaml"
+    file.write_text(
+        "arm: {type: a/B, low: -2147483648, high: 2147483647, loud: true, x: [], y: {}, z: .inf}"
+    )
+    arm = read_file(str(file))["arm"]
+    assert (arm["low"], arm["high"], arm["z"]) == (-(2**31), 2**31 - 1, math.inf)
 
 
 def test_a_file_with_an_anchor_may_be_large_but_holds_nothing_of_itself(tmp_path):

@@ -11,6 +11,7 @@ import os
 import threading
 import time
 from typing import Any, Collection, Dict, List, Optional, Tuple
+from xmlrpc.client import MAXINT, MININT
 
 import rosgraph
 import rosparam  # noqa: F401
@@ -114,7 +115,7 @@ def read_file(path: str, namespace: str = "") -> Dict[str, Any]:
     ------
     SpawnerError
         It cannot be read, or holds no controller, that is, no struct with a ``type``, or holds some
-        in several namespaces.
+        in several namespaces, or a value that the parameter server does not take.
     """
     try:
         with open(path) as file:
@@ -134,7 +135,29 @@ def read_file(path: str, namespace: str = "") -> Dict[str, Any]:
                 f"robot's, {namespace or '/'}"
             )
         params.update(params.pop((own or inner)[0]))
-    return {str(name): value for name, value in params.items()}
+    named = {str(name): value for name, value in params.items()}
+    try:
+        _require_settable(named, "")
+    except SpawnerError as error:
+        raise SpawnerError(f"{path}: {error}") from None
+    return named
+
+
+def _require_settable(value: Any, name: str) -> None:
+    """Raise a `SpawnerError` unless the parameter server, which speaks XML-RPC, takes a value."""
+    if isinstance(value, dict):
+        for key, each in value.items():
+            if not isinstance(key, str) or not key:
+                raise SpawnerError(f"a key of {name or 'the file'} is {key!r}; text is needed")
+            _require_settable(each, f"{name}/{key}" if name else key)
+    elif isinstance(value, (list, tuple)):
+        for index, each in enumerate(value):
+            _require_settable(each, f"{name}[{index}]")
+    elif isinstance(value, int):
+        if not MININT <= value <= MAXINT:
+            raise SpawnerError(f"{name} is {value}; a whole number of 32 bits is needed")
+    elif not isinstance(value, (str, float, bytes)):
+        raise SpawnerError(f"{name} is {value!r}; text, a number, a list or a struct is needed")
 
 
 def _holds_controllers(params: Any) -> bool:

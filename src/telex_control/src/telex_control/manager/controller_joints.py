@@ -35,5 +35,5 @@ def without_joints(params: Any, joints: Collection[str]) -> Any:
             key: without_joints(value, joints) for key, value in params.items() if key not in joints
         }
     if isinstance(params, list):
-        return [value for value in params if value not in joints]
+        return [value for value in params if not (isinstance(value, str) and value in joints)]
     return params
