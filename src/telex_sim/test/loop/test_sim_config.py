@@ -53,6 +53,25 @@ def test_the_shipped_configuration_is_valid():
         ({"hardware__contacts": {"x": {"anchor": True}}}, "contacts/x/anchor is unknown"),
         ({"hardware__velocity_tolerance": 0.5}, "velocity_tolerance is 0.5"),
         ({"publish__clock_rate": 0.0}, "clock_rate is 0.0"),
+        *(
+            ({name: 1e-310}, "rate is 1e-310; it must be at least 0.001")
+            for name in (
+                "publish__clock_rate",
+                "publish__poses_rate",
+                "publish__base_pose_rate",
+                "publish__stability_rate",
+                "publish__truth_rate",
+                "dosimetry__rate",
+                "gas__rate",
+            )
+        ),
+        *(
+            (
+                {f"{name}__rate": 1e-310},
+                f"{name}: rate is 1e-310; it must be 0, for never, or at least 0.001",
+            )
+            for name in ("radio", "proximity", "gripper_contact")
+        ),
         ({"solver_iterations": 0}, "solver_iterations is 0"),
         ({"world": ""}, "world is ''"),
         ({"colour": "red"}, "colour is unknown"),

@@ -19,6 +19,7 @@ from ..robot.self_collision import SelfCollisionConfig
 from ..scene.model import MOST_FURTHER
 from ..stability.force_angle import StabilityConfig
 from ..tracks.track_config import TrackConfig
+from .rates import LEAST_RATE
 
 TUNED_PERIOD = 0.002
 """Longest control period that the shipped gains are tuned for (s)."""
@@ -260,11 +261,11 @@ class StartConfig(Declared):
 class PublishConfig(Declared):
     """How often the simulator tells the world about itself (Hz of sim time)."""
 
-    clock_rate: float = number(100.0, above=0.0)
-    poses_rate: float = number(60.0, above=0.0)
-    base_pose_rate: float = number(50.0, above=0.0)
-    stability_rate: float = number(20.0, above=0.0)
-    truth_rate: float = number(50.0, above=0.0)
+    clock_rate: float = number(100.0, minimum=LEAST_RATE)
+    poses_rate: float = number(60.0, minimum=LEAST_RATE)
+    base_pose_rate: float = number(50.0, minimum=LEAST_RATE)
+    stability_rate: float = number(20.0, minimum=LEAST_RATE)
+    truth_rate: float = number(50.0, minimum=LEAST_RATE)
 
 
 @dataclass(frozen=True)

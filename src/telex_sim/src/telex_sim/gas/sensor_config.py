@@ -6,13 +6,15 @@ from dataclasses import dataclass
 
 from telex_control.common.params import Declared, number, parameter
 
+from ..engine.rates import LEAST_RATE
+
 
 @dataclass(frozen=True)
 class GasSensorConfig(Declared):
     """The gas sensor of a robot; see config/simulator.yaml."""
 
     rate: float = number(
-        5.0, "How often it is read, in scenes with leaks (Hz of sim time).", maximum=50.0, above=0.0
+        5.0, "How often it is read, in scenes with leaks (Hz of sim time).", LEAST_RATE, 50.0
     )
     link: str = parameter("", "In whose origin it sits; a robot without that link has none.")
     response: float = number(

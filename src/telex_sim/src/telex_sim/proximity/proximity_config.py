@@ -7,15 +7,16 @@ from typing import Collection, Iterator, Set, Tuple
 
 from telex_control.common.params import ConfigError, Declared, number, parameter, require
 
+from ..engine.rates import rate_or_never
+
 
 @dataclass(frozen=True)
 class ProximityConfig(Declared):
     """Which distances are watched."""
 
-    rate: float = number(
+    rate: float = rate_or_never(
         30.0,
         "How often they are taken while somebody listens (Hz of sim time); 0: never.",
-        0.0,
         1000.0,
     )
     near: float = number(

@@ -11,6 +11,8 @@ import numpy as np
 from telex_control.common.params import Declared, number, parameter, require, required
 from telex_control.common.stateful import Stateful
 
+from ..engine.rates import LEAST_RATE
+
 ROBOT = "robot"
 """Name of the hull's place among those with a history of dose."""
 MOST_GRAYS = 1.0e5
@@ -83,8 +85,8 @@ class DosimetryConfig(Declared):
         10.0,
         "How often the field is computed, in scenes with sources (Hz of sim time); every second "
         "time it is told.",
-        maximum=100.0,
-        above=0.0,
+        LEAST_RATE,
+        100.0,
     )
     hull: str = parameter(
         "",

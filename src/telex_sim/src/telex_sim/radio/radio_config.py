@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 from telex_control.common.params import Declared, number
 
+from ..engine.rates import rate_or_never
+
 
 @dataclass(frozen=True)
 class RadioConfig(Declared):
@@ -16,10 +18,9 @@ class RadioConfig(Declared):
     telex_control.common.params.ConfigError
     """
 
-    rate: float = number(
+    rate: float = rate_or_never(
         4.0,
         "How often it is computed while somebody listens (Hz of sim time); 0: never.",
-        0.0,
         50.0,
     )
     antenna_height: float = number(

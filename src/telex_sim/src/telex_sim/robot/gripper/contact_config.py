@@ -7,15 +7,16 @@ from typing import Collection, Tuple
 
 from telex_control.common.params import ConfigError, Declared, number, parameter, require
 
+from ...engine.rates import rate_or_never
+
 
 @dataclass(frozen=True)
 class GripperContactConfig(Declared):
     """What is told of a gripper's contacts."""
 
-    rate: float = number(
+    rate: float = rate_or_never(
         50.0,
         "How often they are taken while somebody listens (Hz of sim time); 0: never.",
-        0.0,
         1000.0,
     )
     pads: Tuple[str, ...] = parameter((), "The links of both pads; none: there is no gripper.")
