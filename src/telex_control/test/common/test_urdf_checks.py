@@ -94,6 +94,15 @@ def test_links_that_are_no_tree_are_refused(text, said):
         (robot(link("a"), link("a")), "robot_description has 2 links of the name 'a'"),
         (robot(link("a"), link("")), "robot_description has a <link> without a name"),
         (robot(link("a")).replace(' name="r"', ""), "<robot> has no name"),
+        (
+            robot(link("a")).replace('"r"', f'"{"r" * 201}"'),
+            r"the name of a <robot> is 'r{40}\.\.\.', of 201 bytes; at most 200 are possible",
+        ),
+        (robot(link("\u00e4" * 101)), "the name of a <link> is '\u00e4{40}.*, of 202 bytes"),
+        (
+            robot(link("a"), link("b" * 199), joint("a", "b" * 199)),
+            "the name of a <joint> is 'a_b{38}.*, of 201 bytes; at most 200",
+        ),
         (robot(link("a", moments="1 0 0 1 0 1e200")), "'a': its <inertia> has 1e.200 kg m2"),
         (
             robot('<link name="a"><inertial><mass value="1"/></inertial></link>'),

@@ -12,6 +12,8 @@ from .model import Inertia, Mesh, Pose, Robot, UnknownShape
 
 _DEEPEST = 200
 """Links one on another; PyBullet takes no more than 128 in all."""
+_LONGEST_NAME = 200
+"""Bytes; PyBullet writes past the end of its fields from 1024 on."""
 _HEAVIEST = 1.0e6
 """kg."""
 _FARTHEST = 1.0e4
@@ -92,6 +94,7 @@ def check_bodies(robot: Robot) -> None:
     """
     if robot.name is None:
         raise UrdfError("robot_description: <robot> has no name")
+    _check_length("robot", robot.name)
     _check_names("link", [link.name for link in robot.links])
     _check_names("joint", [joint.name for joint in robot.joints])
     roots = root_links(robot)
@@ -139,8 +142,18 @@ def _check_names(tag: str, names: List[str]) -> None:
     for name, count in Counter(names).items():
         if not name:
             raise UrdfError(f"robot_description has a <{tag}> without a name")
+        _check_length(tag, name)
         if count > 1:
             raise UrdfError(f"robot_description has {count} {tag}s of the name '{name}'")
+
+
+def _check_length(tag: str, name: str) -> None:
+    size = len(name.encode())
+    if size > _LONGEST_NAME:
+        raise UrdfError(
+            f"robot_description: the name of a <{tag}> is '{name[:40]}...', of {size} bytes; at "
+            f"most {_LONGEST_NAME} are possible"
+        )
 
 
 def _check_inertia(owner: str, inertia: Optional[Inertia]) -> None:
