@@ -92,9 +92,29 @@ def test_points_of_a_file_make_a_path_with_its_corners(tmp_path):
     assert path.stops == pytest.approx((0.1,))
 
 
+@pytest.mark.parametrize("shape", [circle, square, figure_8])
+@pytest.mark.parametrize("turns", [1e8, 1e308])
+def test_a_shape_that_would_take_all_memory_is_refused(shape, turns):
+    named = "turns is 1e.*, radius is 0.15 and height is 0: .* points; at most 2000000 are possible"
+    with pytest.raises(FollowTrajectoryError, match=named):
+        shape(Shape(turns=turns))
+    with pytest.raises(FollowTrajectoryError, match=r"height is 1e\+09"):
+        circle(Shape(height=1e9))
+
+
+def test_a_file_may_begin_with_a_byte_order_mark(tmp_path):
+    file = tmp_path / "way.csv"
+    for text in ("0,0,0\n0.1,0,0\n", "x,y,z\n0,0,0\n0.1,0,0\n"):
+        file.write_text(text, encoding="utf-8-sig")
+        assert from_csv(file).points == pytest.approx(np.array([[0, 0, 0], [0.1, 0, 0]]))
+
+
 @pytest.mark.parametrize(
     ("text", "named"),
     [
+        ("nan,0,0\n1,0,0\n2,0,0\n", "line 1 is 'nan,0,0'"),
+        ("O.1,0,0\n1,0,0\n2,0,0\n", "line 1 is 'O.1,0,0'"),
+        ("time,x,y,z\n1,0,0\n2,0,0\n", "line 1 is 'time,x,y,z'"),
         ("0,0,0\n", "has 1 points"),
         ("0,0,0\n1,2\n", r"way.csv, line 2 is '1,2'; x, y, z \(m\) are needed"),
         ("0,0,0\n1,nan,2\n", "line 2"),
@@ -134,6 +154,22 @@ def test_a_long_way_takes_its_time_at_the_whole_speed():
     assert profile.duration == pytest.approx(1.0 / 0.05 + 0.05 / 0.1)
     with pytest.raises(FollowTrajectoryError, match="speed is 0"):
         SpeedProfile(1.0, (), 0.0, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("speed", "acceleration", "stops"),
+    [
+        (1e-6, 0.1, ()),
+        (5e-324, 0.1, ()),
+        (0.05, 1e-9, ()),
+        (0.05, 5e-324, ()),
+        (0.05, 2e-6, [0.01 * each for each in range(1, 100)]),
+    ],
+)
+def test_a_way_that_takes_longer_than_an_hour_is_refused(speed, acceleration, stops):
+    named = rf"speed is {speed:g} and acceleration is {acceleration:g}: .* at most 3600 s"
+    with pytest.raises(FollowTrajectoryError, match=named):
+        SpeedProfile(1.0, stops, speed, acceleration)
 
 
 # ---- references

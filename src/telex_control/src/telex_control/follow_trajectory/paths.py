@@ -16,6 +16,8 @@ SAMPLE = 5e-4
 """Distance between the points that stand for a curve (m)."""
 CORNER = math.radians(15.0)
 """A bend between neighbouring points that is sharper than this (rad) is a corner."""
+MOST_POINTS = 2000000
+"""A shape that takes more points fills the memory before anything can follow it."""
 SHORTEST = 1e-3
 """Length (m) below which there is nothing to follow."""
 
@@ -127,7 +129,18 @@ class Shape:
 
     def count(self, way: float) -> int:
         """How many points stand for a curve of some length (m)."""
-        return max(2, math.ceil((way + abs(self.height)) / SAMPLE) + 1)
+        points = (way + abs(self.height)) / SAMPLE
+        self.require_few(points)
+        return max(2, math.ceil(points) + 1)
+
+    def require_few(self, points: float) -> None:
+        """Raise a `FollowTrajectoryError` where it takes too many points."""
+        if points > MOST_POINTS:
+            raise FollowTrajectoryError(
+                f"turns is {self.turns:g}, radius is {self.radius:g} and height is "
+                f"{self.height:g}: the path takes {points:.3g} points; at most {MOST_POINTS} are "
+                "possible"
+            )
 
 
 def circle(shape: Shape) -> Path:
@@ -140,6 +153,7 @@ def circle(shape: Shape) -> Path:
 def square(shape: Shape) -> Path:
     """Along the sides of a square, from one of its corners, `turns` times; it stops at each."""
     corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)]
+    shape.require_few(4.0 * shape.turns)
     sides = max(1, round(4.0 * shape.turns))
     flat = np.array([corners[index % 4] for index in range(sides + 1)])
     return shape.place(shape.radius * flat)
@@ -158,7 +172,9 @@ SHAPES = {"spiral": circle, "circle": circle, "square": square, "figure-8": figu
 
 
 def from_csv(file: File, offset: Optional[Sequence[float]] = None) -> Path:
-    """Read a path from a file: a point a line, x, y and z in m, after a head if there is one.
+    """Read a path from a file: a point a line, x, y and z in m.
+
+    Three words in its first line are a head.
 
     Parameters
     ----------
@@ -172,18 +188,19 @@ def from_csv(file: File, offset: Optional[Sequence[float]] = None) -> Path:
     """
     points: List[List[float]] = []
     try:
-        with open(file, encoding="utf-8", newline="") as text:
+        with open(file, encoding="utf-8-sig", newline="") as text:
             for number, row in enumerate(csv.reader(text), 1):
                 cells = [cell.strip() for cell in row]
                 if not any(cells) or cells[0].startswith("#"):
                     continue
-                if not points and number == 1 and not _is_number(cells[0]):
+                values = [value for value in map(_value, cells) if value is not None]
+                if number == 1 and len(cells) == 3 and not values:
                     continue
-                if len(cells) != 3 or not all(map(_is_number, cells)):
+                if not len(cells) == len(values) == 3 or not all(map(math.isfinite, values)):
                     raise FollowTrajectoryError(
                         f"{file}, line {number} is '{','.join(cells)}'; x, y, z (m) are needed"
                     )
-                points.append([float(cell) for cell in cells])
+                points.append(values)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise FollowTrajectoryError(f"{file}: {error}") from error
     if len(points) < 2:
@@ -192,8 +209,9 @@ def from_csv(file: File, offset: Optional[Sequence[float]] = None) -> Path:
     return path if offset is None else path.moved(offset)
 
 
-def _is_number(text: str) -> bool:
+def _value(text: str) -> Optional[float]:
+    """Return the number that a cell holds, which may be nan; None for a word."""
     try:
-        return math.isfinite(float(text))
+        return float(text)
     except ValueError:
-        return False
+        return None

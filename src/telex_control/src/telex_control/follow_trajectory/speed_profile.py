@@ -9,6 +9,9 @@ import numpy as np
 
 from . import FollowTrajectoryError
 
+LONGEST = 3600.0
+"""Time (s) within which a path has to be run along: its references are all worked out before."""
+
 
 class SpeedProfile:
     """The length of a path that is behind at each time.
@@ -33,7 +36,7 @@ class SpeedProfile:
     Raises
     ------
     FollowTrajectoryError
-        A limit is not above 0.
+        A limit is not above 0, or so low that it takes longer than `LONGEST`.
     """
 
     def __init__(
@@ -42,6 +45,9 @@ class SpeedProfile:
         for name, value in (("speed", speed), ("acceleration", acceleration)):
             if not (math.isfinite(value) and value > 0.0):
                 raise FollowTrajectoryError(f"{name} is {value}; it must be above 0")
+        # Without stops it takes at least so long; of tinier limits the peaks below could be 0.
+        self._require_time(length, speed, acceleration, length / speed)
+        self._require_time(length, speed, acceleration, 2.0 * math.sqrt(length / acceleration))
         ends = [0.0, *stops, length]
         times, lengths, rates = [0.0], [0.0], [0.0]
         for begin, end in zip(ends, ends[1:]):
@@ -56,6 +62,15 @@ class SpeedProfile:
         self._lengths = np.array(lengths)
         self._rates = np.array(rates)
         self.duration = times[-1]
+        self._require_time(length, speed, acceleration, self.duration)
+
+    @staticmethod
+    def _require_time(length: float, speed: float, acceleration: float, duration: float) -> None:
+        if duration > LONGEST:
+            raise FollowTrajectoryError(
+                f"speed is {speed:g} and acceleration is {acceleration:g}: the path of "
+                f"{length:.2f} m takes {duration:.3g} s; at most {LONGEST:g} s are possible"
+            )
 
     @staticmethod
     def _add(times: List[float], durations: Sequence[float]) -> None:
