@@ -22,6 +22,7 @@ class IdleRest:
         self._idle_since: Optional[int] = None
         self._last: Optional[float] = None
         self._last_wall = 0.0
+        self._longest = LONGEST_REST
 
     @property
     def commands(self) -> int:
@@ -51,13 +52,14 @@ class IdleRest:
         self._last, self._last_wall = stamp, wall
         self._idle_since = commands if idle else None
         if idle and last is not None and elapsed > 0.0:
-            self._rest(commands, LONGEST_REST / max(1.0, (stamp - last) / elapsed))
+            self._longest = LONGEST_REST / max(1.0, (stamp - last) / elapsed)
+            self._rest(commands, self._longest)
 
     def follow(self) -> None:
-        """Rest in another thread while the one of the joint states is idle."""
+        """Rest in another thread, as long, while the one of the joint states is idle."""
         commands = self._idle_since
         if commands is not None:
-            self._rest(commands, LONGEST_REST)
+            self._rest(commands, self._longest)
 
     def _rest(self, commands: int, seconds: float) -> None:
         with self._changed:
