@@ -245,6 +245,10 @@ def test_without_noise_it_is_exact(world):
     [
         ({"compass": {}}, "imu_noise/compass: there is no such sensor; imus has: imu"),
         ({"imu": {"tilt_error": -1.0}}, "tilt_error is -1.0"),
+        (
+            {"imu": {"gyroscope_turn_on_bias": 1e200}},
+            "gyroscope_turn_on_bias is 1e.200; it must be at least 0 and at most 1000",
+        ),
         ({"imu": {"tilt_correlation_time": 0.0}}, "tilt_correlation_time is 0.0"),
         ({"imu": {"noise": 1.0}}, "noise is unknown"),
         ({"imu": {"gyroscope_noise_density": math.nan}}, "gyroscope_noise_density is nan"),

@@ -23,6 +23,8 @@ from telex_control.common.stateful import Stateful
 Vector = Tuple[float, float, float]
 Covariance = Tuple[float, ...]
 
+_MOST = 1e3
+"""Of each density, bias and error: beyond what any sensor has, and its square is a number."""
 _EXACT = 1e-9
 """Least variance that is told: 0 would mean "not known"."""
 _AT_ONCE = 1024
@@ -70,7 +72,7 @@ class ImuNoise:
     def __post_init__(self) -> None:
         for field in fields(self):
             if field.name not in ("seed", "tilt_correlation_time"):
-                require_range(self, field.name, 0.0)
+                require_range(self, field.name, 0.0, _MOST)
         require_range(self, "tilt_correlation_time", above=0.0)
 
 
