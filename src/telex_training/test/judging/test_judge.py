@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from std_msgs.msg import Float64, String
 from telex_msgs.msg import BridgeClient, BridgeClients, JointTeleopStatus, TruthSample
-from training_truth import LEVEL, SCENE, Trial, exercise, serialized
+from training_truth import JOINTS, LEVEL, SCENE, Trial, exercise, serialized
 
 from telex_sim.offline.simulation import robot_description
 from telex_training.command_lines.score import sheet_report
@@ -110,6 +110,25 @@ def test_the_clock_runs_from_the_begin_in_sim_time():
     assert made["metrics"]["reversals"] == 1
     assert made["completed"]
     assert made["fault"] is None
+
+
+def test_what_moves_the_robot_is_a_command_on_whatever_topic():
+    text = DRILL.replace("begin: {not: {inside: {what: robot, zone: start}}}\n", "")
+    trial = ready(text)
+    trial.at(0.05)
+    trial.seconds(1.0)
+    assert trial.judge.phase == "waiting"
+    trial.at(0.11)
+    assert trial.judge.phase == "running"
+
+
+def test_what_moves_the_tool_is_a_command_as_well(urdf):
+    text = DRILL.replace("begin: {not: {inside: {what: robot, zone: start}}}\n", "")
+    trial = ready(text, urdf=urdf)
+    trial.seconds(1.0)
+    trial.joints[JOINTS.index("shoulder_joint")] -= 0.2
+    trial.sample()
+    assert trial.judge.phase == "running"
 
 
 def test_steps_count_in_their_order_alone():
@@ -710,6 +729,33 @@ def test_contacts_forces_and_impulses():
     assert metrics["peak_force"] == metrics["wall"] == 80.0
     assert metrics["impulse"] == pytest.approx(15.0)
     assert metrics["pushing"] == pytest.approx(0.4)
+
+
+@pytest.mark.parametrize(
+    ("until", "drops"),
+    [
+        ("{inside: {what: cube, zone: goal}}", 0),
+        ("{not: {inside: {what: cube, zone: goal}}}", 1),
+        ("{not: {not: {inside: {what: cube, zone: goal}}}}", 0),
+    ],
+)
+def test_a_fall_where_the_object_is_to_come_from_is_a_drop(urdf, until, drops):
+    text = f"""
+zones: {{goal: {{center: [2, 0, 0.5], size: [3, 3, 3]}}}}
+begin: {{elapsed: 0}}
+steps: [{{name: go, until: {{all: [{until}, {{event: {{name: stuck}}}}]}}}}]
+metrics: {{drops: {{}}}}
+"""
+    trial = ready(text.replace("begin: {elapsed: 0}", "begin: {not: {held: {object: wall}}}"))
+    trial.held = "cube"
+    trial.seconds(0.2)
+    trial.held = None
+    for height in (0.5, 0.4, 0.2, 0.05):
+        trial.bodies["cube/cube"] = ((2.0, 0.0, height), LEVEL)
+        trial.sample()
+    trial.input("again")
+    (made,) = trial.judge.sheet()["repetitions"]
+    assert made["metrics"]["drops"] == drops
 
 
 def test_drops_slip_and_the_tool(urdf):

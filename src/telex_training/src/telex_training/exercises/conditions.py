@@ -222,6 +222,19 @@ class Condition:
         for part in self.parts:
             yield from part.walk()
 
+    def wanted(self, wanted: bool = True) -> Iterator[Condition]:
+        """Yield those of all that it is composed of which have to hold for it to hold."""
+        if wanted and not self.parts:
+            yield self
+        for part in self.parts:
+            yield from part.wanted(wanted != (self.kind == "not"))
+
+    def zones(self) -> Tuple[str, ...]:
+        """Names of the zones that it looks at by itself."""
+        if self.kind in ("inside", "touches"):
+            return (self.of.zone,) if self.of.zone else ()
+        return tuple(self.of.outside) if self.kind == "dropped" else ()
+
 
 def read_condition(content: Any, name: str) -> Condition:
     """Read a condition.

@@ -15,6 +15,8 @@ from .truth import Contact, World
 
 SLACK = 1e-6
 """Rounding of sim time (s)."""
+_SETTLING = 0.1
+"""How far a robot and its tool may move by themselves once they have been put back (m)."""
 
 
 @dataclass
@@ -64,6 +66,16 @@ class Context:
                 place = world.position(what)
                 if place is not None:
                     self.places[f"{name} {what}"] = place
+
+    def driven(self) -> bool:
+        """Whether a robot or its tool has gone from where it was, further than it settles."""
+        for robot in ("", *self.others):
+            context = self.of(robot)
+            for what in (ROBOT, TOOL):
+                now, then = context.world.position(what), context.places.get(what)
+                if now is not None and then is not None and math.dist(now, then) > _SETTLING:
+                    return True
+        return False
 
     def within(self, what: str, zone: str) -> bool:
         """Whether something is in a zone; not, where either is not known."""

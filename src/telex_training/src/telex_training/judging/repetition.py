@@ -197,6 +197,9 @@ class Repetition:
         if not self.looked:
             self.looked = True
             self._context.note_places()
+        if "command" not in self._context.counts and self._context.driven():
+            # By a topic that is not watched, as a controller's own.
+            self.count("command")
         if not self._resumes and not self._begin.holds(self._context):
             return False
         self.began = self._context.time

@@ -24,7 +24,7 @@ def goal_zones(exercise: Exercise) -> Dict[str, FrozenSet[str]]:
     """Zones into which the steps want each object; there, it may fall."""
     found: Dict[str, Set[str]] = {}
     for step in exercise.steps:
-        for part in step.until.walk():
+        for part in step.until.wanted():
             if part.kind == "inside":
                 found.setdefault(part.of.what, set()).add(part.of.zone)
     return {what: frozenset(zones) for what, zones in found.items()}
