@@ -16,6 +16,7 @@ from telex_training.exercises.check import check_file
 from telex_training.exercises.exercise_file import ExerciseError, parse_exercise
 from telex_training.exercises.model import Vary
 from telex_training.exercises.questions import read_objects, right_answers
+from telex_training.exercises.readings import draw
 from telex_training.exercises.seeds import drawn_changes, scene_of, scene_text
 
 TEXT = """
@@ -29,12 +30,34 @@ steps: [{name: go, until: {elapsed: 1}}]
 """
 
 
+UNTIL = {"elapsed": 1}
+
+
 def exercise(more="", path=Path("/exercises/drill.yaml"), setting=""):
     return parse_exercise(TEXT + more, path).setting(setting)
 
 
 def content(made, seed=1):
     return yaml.safe_load(scene_text(made, seed))
+
+
+@pytest.mark.parametrize("scene", ["~nobody_here/x.yaml", "a" * 300 + ".yaml"])
+def test_a_scene_that_cannot_be_looked_for_is_named(scene):
+    text = yaml.safe_dump(
+        {"name": "drill", "scene": scene, "steps": [{"name": "go", "until": UNTIL}]}
+    )
+    made = parse_exercise(text, Path("/exercises/drill.yaml")).setting("")
+    with pytest.raises(ExerciseError, match=r"drill\.yaml: .*(home|long)"):
+        draw(made, 1)
+
+
+@pytest.mark.parametrize("entry", [5, {"name": [1], "type": "wall"}, {"type": "wall"}])
+def test_entries_without_a_name_are_read_over(entry):
+    content = {"name": "drill", "scene": {"objects": [entry, {"name": "a", "type": "chart"}]}}
+    content["steps"] = [{"name": "go", "until": UNTIL}]
+    content["questions"] = [{"name": "q", "ask": "Which?", "of": "a", "row": 0}]
+    made = parse_exercise(yaml.safe_dump(content), Path("/exercises/drill.yaml")).setting("")
+    assert list(draw(made, 1).entries) == ["a"]
 
 
 def test_a_seed_draws_the_same_on_every_machine():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import tempfile
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Set
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Set
 
 import yaml
 
@@ -20,8 +20,8 @@ from telex_sim.scene.robot_in_scene import robot_description
 from .conditions import EVENTS, FLOOR, ROBOT, TOOL, Condition
 from .exercise_file import ExerciseError, ExerciseFile
 from .findings import Finding
-from .metric_kinds import SURVEYED
-from .model import ALL, ANY, MODES, Exercise
+from .metric_kinds import DIGITS, SURVEYED
+from .model import ALL, ANY, MODES, Exercise, PutBack
 from .questions import read_objects, right_answers
 from .robot_needs import lacking
 from .seeds import scene_of, scene_text
@@ -143,22 +143,15 @@ class _Checker:
             zone
             for _, condition in self._exercise.conditions()
             for part in condition.walk()
-            for zone in _zones_of(part)
+            for zone in part.zones()
         }
-        survey = self._exercise.survey
-        for name in () if survey is None else survey.points:
-            used.add(name)
-            if name not in self._exercise.zones:
-                yield Finding("survey/points", f"there is no zone '{name}'")
+        if self._exercise.survey is not None:
+            used.update(self._exercise.survey.points)
         for name in sorted(set(self._exercise.zones) - used):
             yield Finding(f"zones/{name}", "no condition names it", wrong=False)
 
     def _condition(self, part: Condition) -> Iterator[str]:
         given = part.of
-        for zone in _zones_of(part):
-            if zone not in self._exercise.zones:
-                known = ", ".join(self._exercise.zones) or "none"
-                yield f"zone is '{zone}'; there are: {known}"
         if part.kind in ("inside", "tilted", "moved"):
             yield from self._what(given.what, part.kind)
         elif part.kind in ("joint", "latch"):
@@ -229,8 +222,18 @@ class _Checker:
         for name in exercise.put_back.objects:
             if name not in (ALL, *self._objects):
                 yield Finding("put_back/objects", f"{self._unknown(name)}, and {ALL}")
+        if exercise.put_back != PutBack():
+            yield Finding(
+                "put_back", "this version puts everything back between repetitions", wrong=False
+            )
         for metric in exercise.metrics:
             where = f"metrics/{metric.name}"
+            if metric.bound is not None and round(metric.bound, DIGITS) != metric.bound:
+                yield Finding(
+                    f"{where}/pass",
+                    f"it is {metric.bound:g}; figures are judged by their first {DIGITS} decimals",
+                    wrong=False,
+                )
             if metric.kind == "dose":
                 continue
             if metric.object and metric.object not in (FLOOR, *self._objects):
@@ -294,14 +297,6 @@ class _Checker:
                 yield Finding(
                     f"hints[{i}]/on", f"it is '{hint.on}'; possible are {', '.join(sorted(names))}"
                 )
-
-
-def _zones_of(part: Condition) -> Sequence[str]:
-    if part.kind == "inside":
-        return (part.of.zone,)
-    if part.kind == "touches":
-        return (part.of.zone,) if part.of.zone else ()
-    return part.of.outside if part.kind == "dropped" else ()
 
 
 def _beyond(content: Mapping[str, Any]) -> Iterator[Finding]:

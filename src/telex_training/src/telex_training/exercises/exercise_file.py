@@ -319,6 +319,7 @@ def _exercise(
         robots=robots,
     )
     _require_robots(made)
+    _require_zones(made)
     return made
 
 
@@ -526,6 +527,21 @@ def _require_robots(exercise: Exercise) -> None:
             name in ("", *known),
             f"{where} is '{name}'; beside the first robot there are: {', '.join(known) or 'none'}",
         )
+
+
+def _require_zones(exercise: Exercise) -> None:
+    """Refuse a condition or a survey in a zone that there is not."""
+    asked = [
+        (f"{where}/{part.kind}", zone)
+        for where, condition in exercise.conditions()
+        for part in condition.walk()
+        for zone in part.zones()
+    ]
+    if exercise.survey is not None:
+        asked += [("survey/points", zone) for zone in exercise.survey.points]
+    known = ", ".join(exercise.zones) or "none"
+    for where, zone in asked:
+        require(zone in exercise.zones, f"{where}: zone is '{zone}'; there are: {known}")
 
 
 def _survey(content: Mapping[str, Any]) -> Optional[Survey]:

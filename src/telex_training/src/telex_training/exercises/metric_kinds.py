@@ -12,6 +12,8 @@ MEDIAN, MEAN, WORST = "median", "mean", "worst"
 OVERS: Tuple[str, ...] = (MEDIAN, MEAN, WORST)
 """How the figures of several repetitions make one."""
 
+DIGITS = 4
+"""Of figures, behind the point; of what a machine computes a little differently nothing is left."""
 SURVEYED = ("missed_points", "speed_error", "map_error")
 """Kinds that look at the exercise's survey."""
 

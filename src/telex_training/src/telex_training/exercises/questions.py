@@ -18,6 +18,22 @@ def read_objects(exercise: Exercise) -> Tuple[str, ...]:
     return tuple(dict.fromkeys(question.of for question in exercise.questions if question.of))
 
 
+def named_entries(text: str) -> Dict[str, Any]:
+    """Return the entries of a scene's objects that have a name, by it.
+
+    Parameters
+    ----------
+    text : str
+        Of the scene, as `seeds.scene_text` makes it.
+    """
+    entries = yaml.safe_load(text)["objects"]
+    return {
+        entry["name"]: entry
+        for entry in entries
+        if isinstance(entry, dict) and isinstance(entry.get("name"), str)
+    }
+
+
 def right_answers(exercise: Exercise, text: str) -> Dict[str, str]:
     """Right answers by question, where the scene has them.
 
@@ -36,9 +52,7 @@ def right_answers(exercise: Exercise, text: str) -> Dict[str, str]:
     ExerciseError
         Something cannot be read, or there is no such row or place.
     """
-    entries: Dict[str, Any] = {
-        entry.get("name", ""): entry for entry in yaml.safe_load(text)["objects"]
-    }
+    entries = named_entries(text)
     found = {}
     for question in exercise.questions:
         if not question.of:

@@ -9,7 +9,7 @@ import yaml
 from telex_sim.scene.sealed import new_token
 
 from .model import Exercise
-from .questions import read_objects, right_answers
+from .questions import named_entries, read_objects, right_answers
 from .seeds import scene_text
 
 
@@ -45,7 +45,7 @@ def draw(exercise: Exercise, seed: int) -> Drawn:
     scene = scene_text(exercise, seed, sealed={name: new_token() for name in wanted})
     entries = {}
     if wanted:
-        for entry in yaml.safe_load(scene)["objects"]:
-            if entry.get("name") in wanted:
-                entries[entry["name"]] = str(yaml.safe_dump(entry, default_flow_style=True))
+        for name, entry in named_entries(scene).items():
+            if name in wanted:
+                entries[name] = str(yaml.safe_dump(entry, default_flow_style=True))
     return Drawn(scene, entries, right_answers(exercise, scene))

@@ -116,12 +116,17 @@ def scene_of(exercise: Exercise, text: str) -> Scene:
 def _base(exercise: Exercise, find: Callable[[str], Path]) -> Dict[str, Any]:
     base, folder = exercise.scene.base, exercise.scene.folder
     if isinstance(base, str):
-        near = folder / Path(base).expanduser()
-        path = near if near.is_file() else find(base)
         try:
+            near = folder / Path(base).expanduser()
+            path = near if near.is_file() else find(base)
             text = path.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise ConfigError(f"scene is '{base}'; {path} cannot be read: {error}") from error
+        # RuntimeError: there is no such home; ValueError: no text, or no path.
+        except (OSError, RuntimeError, ValueError) as error:
+            if isinstance(error, (ConfigError, SceneError)):
+                raise
+            raise ConfigError(
+                f"scene is '{str(base)[:200]}'; it cannot be read: {error}"
+            ) from error
         try:
             base = read_yaml(text, MOST_BYTES)
         except ConfigError as error:

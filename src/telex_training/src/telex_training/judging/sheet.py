@@ -6,14 +6,12 @@ import json
 import math
 from typing import Any, Dict, List, Mapping, Optional, Sequence
 
-from ..exercises.metric_kinds import KINDS, MEAN, WORST
+from ..exercises.metric_kinds import DIGITS, KINDS, MEAN, WORST
 from ..exercises.model import Exercise, Metric
 from . import stats
 from .stats import CONFIDENCE
 
 FORMAT = 1
-DIGITS = 4
-"""Behind the point; of what a machine computes a little differently nothing is left."""
 MOST_SECONDS = 1e6
 """Of a repetition, and of its penalties, in a sheet that is believed (s)."""
 PASSED, FAILED = "passed", "failed"

@@ -12,9 +12,9 @@ from mcap.reader import make_reader
 
 from telex_control.common.params import ConfigError, read_struct, read_value, require
 
-from ..exercises.metric_kinds import KINDS
+from ..exercises.metric_kinds import DIGITS, KINDS
 from ..exercises.model import EXAM
-from ..judging.sheet import DIGITS, FORMAT, MOST_SECONDS, PASSED, sheet_text
+from ..judging.sheet import FORMAT, MOST_SECONDS, PASSED, sheet_text
 from ..judging.stats import raw_tlx
 from ..plain_data import require_text
 from ..recording.reader import read_recording

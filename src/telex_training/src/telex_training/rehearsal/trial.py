@@ -13,7 +13,6 @@ from random import Random
 from typing import Any, Dict, Iterator, List, Optional, Tuple
 
 import genpy
-import yaml
 from nav_msgs.msg import Odometry
 from std_msgs.msg import String
 from telex_msgs.msg import SimStatus
@@ -30,7 +29,7 @@ from telex_sim.truth.messages import names_message, sample_message
 from telex_sim.truth.sampler import TruthSampler
 
 from ..exercises.model import PRACTICE, Exercise, Failure
-from ..exercises.questions import right_answers
+from ..exercises.questions import named_entries, right_answers
 from ..exercises.seeds import scene_text
 from ..judging.entries import (
     DOSES,
@@ -191,7 +190,7 @@ class RehearsedTrial:
         path.write_text(text, encoding="utf-8")
         self.urdf = urdf = robot_description(exercise.variant)
         self._answers = right_answers(exercise, text)
-        entries = {entry["name"]: entry for entry in yaml.safe_load(text)["objects"]}
+        entries = named_entries(text)
         known = {each.name: each.answer for each in exercise.questions if each.answer}
         self._brief = Brief(exercise.setting, entries, {**known, **self._answers})
         self.entries: List[Entry] = []
