@@ -33,6 +33,13 @@ def test_the_bound_of_no_fault_is_a_root_and_29_are_needed():
     assert stats.reliability_bound(0, 0) is None
 
 
+def test_bounds_of_thousands_have_no_number_that_is_too_large():
+    # Of so many, a normal distribution is near enough: 0.9 less 0.84 standard deviations.
+    assert stats.reliability_bound(10_000, 1_000) == pytest.approx(0.8975, abs=3e-4)
+    assert stats.reliability_bound(1_100, 1_095) < 0.01
+    assert stats.reliability_bound(100_000, 0) == pytest.approx(0.2**1e-5, abs=1e-9)
+
+
 def test_rate_and_completeness():
     assert stats.rate([20.0, 40.0]) == pytest.approx(2.0)
     assert stats.rate([]) is None

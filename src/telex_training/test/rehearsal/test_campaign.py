@@ -226,6 +226,7 @@ class TestCommand:
             (("--seeds", "0"), "N from 1"),
             (("--seeds", "5-2"), "1 <= A <= B"),
             (("--seeds", "9999999"), "at most 100000"),
+            (("--seeds", "1-" + 30 * "9"), "at most 100000"),
             (("--workers", "0"), "a whole number from 1"),
             (("--factor", "nan"), "0.1 to 100"),
         ],

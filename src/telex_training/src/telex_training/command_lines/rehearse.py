@@ -148,10 +148,10 @@ def _seeds(text: str) -> range:
     ends = (first, last) if dash else ("1", first)
     if not all(end.isdecimal() for end in ends) or not 1 <= int(ends[0]) <= int(ends[1]):
         raise argparse.ArgumentTypeError(f"'{text}'; N from 1, or A-B with 1 <= A <= B is needed")
-    found = range(int(ends[0]), int(ends[1]) + 1)
-    if len(found) > _MOST_SEEDS:
+    low, high = int(ends[0]), int(ends[1])
+    if high - low >= _MOST_SEEDS:
         raise argparse.ArgumentTypeError(f"'{text}'; at most {_MOST_SEEDS} seeds are possible")
-    return found
+    return range(low, high + 1)
 
 
 def _names(text: str) -> List[str]:

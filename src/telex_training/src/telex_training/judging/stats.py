@@ -60,9 +60,20 @@ def reliability_bound(count: int, faults: int, confidence: float = CONFIDENCE) -
 
 
 def _at_most(faults: int, count: int, chance: float) -> float:
-    """P(X <= faults) of a binomial distribution."""
+    """P(X <= faults) of a binomial distribution, faults < count."""
+    if not 0.0 < chance < 1.0:
+        return 1.0 - chance
+    # Binomial coefficients of a thousand are beyond what a float can be; their logarithms are not.
+    all_ways = math.lgamma(count + 1)
     return math.fsum(
-        math.comb(count, k) * chance**k * (1.0 - chance) ** (count - k) for k in range(faults + 1)
+        math.exp(
+            all_ways
+            - math.lgamma(k + 1)
+            - math.lgamma(count - k + 1)
+            + k * math.log(chance)
+            + (count - k) * math.log1p(-chance)
+        )
+        for k in range(faults + 1)
     )
 
 
