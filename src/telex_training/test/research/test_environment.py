@@ -14,8 +14,12 @@ from ahead_exercise import AHEAD
 from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
 
+from telex_control.common.params import ConfigError
+from telex_sim.cameras.cameras_config import shipped_cameras
+from telex_sim.cameras.preview.still_cameras import sized
 from telex_training.exercises.catalog import exercises
-from telex_training.research import environment_id
+from telex_training.research import environment_id, register
+from telex_training.research.data_set import require_even_sides
 from telex_training.research.environment import ExerciseEnv
 
 pytestmark = pytest.mark.slow
@@ -49,6 +53,27 @@ def env(exercise: str) -> Iterator[ExerciseEnv]:
     made = ExerciseEnv(exercise)
     yield made
     made.close()
+
+
+@pytest.mark.parametrize("weight", [np.nan, np.inf])
+def test_weights_are_finite(exercise: str, weight: float) -> None:
+    with pytest.raises(ValueError, match="a finite number is needed"):
+        ExerciseEnv(exercise, weights={"time": weight})
+
+
+def test_an_exercise_whose_name_is_no_id_is_left_out(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "ahead (2).yaml").write_text(EXERCISE)
+    monkeypatch.setenv("TELEX_EXERCISE_PATH", str(tmp_path))
+    with pytest.warns(UserWarning, match=r"exercise 'ahead \(2\)' is no environment"):
+        register()
+
+
+def test_pictures_of_a_data_set_have_even_sides() -> None:
+    with pytest.raises(ConfigError, match="width is 161, which makes 'front' 161 x "):
+        require_even_sides(sized(shipped_cameras(), ["front"], 161), 161)
+    require_even_sides(sized(shipped_cameras(), ["front"], 160), 160)
 
 
 def action(env: ExerciseEnv, **values: float) -> np.ndarray:

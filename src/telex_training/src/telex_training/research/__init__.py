@@ -5,6 +5,7 @@ Importing it registers each exercise of the catalogue: ``telex/Slalom-v0``, ``te
 
 from __future__ import annotations
 
+import warnings
 from contextlib import suppress
 
 from ..exercises.catalog import exercises
@@ -24,8 +25,12 @@ def register() -> None:
 
     for name in exercises():
         identifier = environment_id(name)
-        if identifier not in gymnasium.registry:
+        if identifier in gymnasium.registry:
+            continue
+        try:
             gymnasium.register(identifier, ENTRY_POINT, kwargs={"exercise": name})
+        except gymnasium.error.Error as error:
+            warnings.warn(f"exercise '{name}' is no environment: {error}", stacklevel=2)
 
 
 with suppress(ImportError):

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Optional, Sequence, Tuple
+from typing import Mapping, Optional, Sequence, Tuple
 
 from telex_control.common.params import ConfigError
-from telex_sim.cameras.cameras_config import shipped_params
+from telex_sim.cameras.cameras_config import CameraConfig, shipped_params
 from telex_sim.cameras.drawing.gl_context import NoContextError
 from telex_sim.cameras.preview.still_cameras import sized
 
@@ -21,6 +21,21 @@ from .redrawing import redrawn, replay_cameras
 
 _RATES = (1, 50)
 """Frames per second: the truth has no more."""
+
+
+def require_even_sides(cameras: Mapping[str, CameraConfig], width: int) -> None:
+    """Refuse pictures with an odd side: H.264 in YUV 4:2:0 has two pixels of each to a colour.
+
+    Raises
+    ------
+    ConfigError
+    """
+    for name, camera in cameras.items():
+        if camera.width % 2 or camera.height % 2:
+            raise ConfigError(
+                f"width is {width}, which makes '{name}' {camera.width} x {camera.height};"
+                " one that makes both even is needed, as 160 or 320"
+            )
 
 
 def write_data_set(
@@ -67,6 +82,7 @@ def write_data_set(
             replay = Replay(recording, shipped_params())
             vector = CommandVector(replay.urdf)
             used = sized(replay_cameras(replay), cameras, width)
+            require_even_sides(used, width)
             if written is None:
                 written = DataSet(folder, rate, vector, used)
                 first = (vector.names, vector.joints)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, Dict, Mapping
 
 from ..exercises.model import Exercise
@@ -60,7 +61,9 @@ class Reward:
 
 
 def require_terms(weights: Mapping[str, float]) -> None:
-    """Raise a ValueError unless all names are those of terms."""
-    for name in weights:
+    """Raise a ValueError unless all names are those of terms, and all weights finite."""
+    for name, weight in weights.items():
         if name not in TERMS:
             raise ValueError(f"weights has '{name}'; there are: {', '.join(TERMS)}")
+        if not math.isfinite(weight):
+            raise ValueError(f"weights['{name}'] is {weight}; a finite number is needed")
