@@ -228,6 +228,24 @@ class TestStations:
 
         run(check())
 
+    def test_a_wrong_scheme_and_a_wrong_name_are_said(self):
+        plain = StandInStation([RUNNING])
+
+        async def check():
+            async with plain.served():
+                stations = [
+                    ClassStation("s1", plain.address.replace("http:", "https:")),
+                    ClassStation("s2", "http://no_station.invalid:80"),
+                ]
+                async with served(stations) as browser:
+                    scheme, name = await browser.until(
+                        lambda a, b: a.phase == GONE and b.phase == GONE
+                    )
+                    assert "cannot be reached: it does not speak https" in scheme.reason
+                    assert "name" in name.reason.lower().split("cannot be reached: ")[1]
+
+        run(check())
+
     def test_a_slow_one_delays_no_other(self, monkeypatch):
         monkeypatch.setattr(station_client, "TIMEOUT", 0.7)
         slow, quick = StandInStation([RUNNING]), StandInStation([RUNNING])

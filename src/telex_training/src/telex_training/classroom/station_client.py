@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import os
+import socket
+import ssl
 from typing import Any, Mapping, Optional, Tuple
 
 import aiohttp
@@ -122,9 +124,7 @@ class StationClient:
         except asyncio.TimeoutError:
             raise StationError(f"{address}: no answer within {timeout:g} s") from None
         except aiohttp.ClientConnectorError as error:
-            number = error.os_error.errno
-            # Of several addresses of a name, the text has them all, and how each failed.
-            reason = os.strerror(number) if number else str(error.os_error)[:_MOST_REASON]
+            reason = _reason(error.os_error)
             raise StationError(f"{address}: it cannot be reached: {reason}") from None
         except (aiohttp.ClientError, OSError, ValueError) as error:
             raise StationError(f"{address}: {str(error)[:_MOST_REASON]}") from None
@@ -142,6 +142,16 @@ class StationClient:
         if reply.content_type == "text/plain":
             return data.decode("utf-8", "replace").strip()[:_MOST_REASON] or f"it says {status}"
         return f"{station.address}: it says {status} {str(reply.reason)[:60]}"
+
+
+def _reason(error: OSError) -> str:
+    """Say why there is no connection."""
+    if isinstance(error, ssl.SSLError):
+        return f"it does not speak https: {error.reason or error}"[:_MOST_REASON]
+    if isinstance(error, socket.gaierror):
+        return error.strerror or str(error)
+    # Of several addresses of a name, the text has them all, and how each failed.
+    return os.strerror(error.errno) if error.errno else str(error)[:_MOST_REASON]
 
 
 async def _body(reply: aiohttp.ClientResponse, most: int) -> bytes:
