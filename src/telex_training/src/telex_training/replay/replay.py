@@ -307,7 +307,7 @@ class Replay:
                 continue
             detail = event.get("detail")
             # A note may be of an earlier moment; other events say in words where they are.
-            at = detail.get("at") if isinstance(detail, dict) else None
+            at: Any = detail.get("at") if isinstance(detail, dict) else None
             made.append(
                 {
                     "time": float(at) if _is_time(at) else time,
