@@ -6,6 +6,7 @@ With what its battery tells, where it has one: ``battery``, ``battery/range``.
 from __future__ import annotations
 
 import math
+import threading
 from typing import Any, Callable, Dict, List, Optional
 
 import rospy
@@ -45,7 +46,10 @@ class MalfunctionService:
         self._levels: Dict[str, float] = {}
         self._lamps: List[rospy.Subscriber] = []
         self._params = f"{namespace}/cameras"
-        self._equip(*self._equipment())
+        self._one_call = threading.Lock()
+        cameras, lamps = self._equipment()
+        robot.malfunctions.equip(cameras, lamps)
+        self._hear_lamps(lamps)
         self._active = rospy.Publisher(
             f"{namespace}/sim/malfunctions", Malfunctions, queue_size=1, latch=True
         )
@@ -61,8 +65,8 @@ class MalfunctionService:
         """Cameras and lamps as the parameters of the node ``cameras`` have them."""
         return tuple(rospy.get_param(f"{self._params}/{key}", {}) for key in ("cameras", "lamps"))
 
-    def _equip(self, cameras: Any, lamps: Any) -> None:
-        self._malfunctions.equip(cameras, lamps)
+    def _hear_lamps(self, lamps: Any) -> None:
+        """Follow the lamps' levels, once they are known; asks the master."""
         if self._lamps:
             return
         for name in self._malfunctions.parts.lamps:
@@ -84,18 +88,24 @@ class MalfunctionService:
             self._malfunctions.lamp_levels = sum(self._levels.values())
 
     def _on_call(self, request: Any) -> MalfunctionResponse:
-        equipment, done = self._equipment(), []
+        with self._one_call:
+            return self._carry_out(request)
 
-        def carry_out() -> None:
-            self._equip(*equipment)
+    def _carry_out(self, request: Any) -> MalfunctionResponse:
+        done: List[str] = []
+        cameras, lamps = self._equipment()
+
+        def change() -> None:
+            self._malfunctions.equip(cameras, lamps)
             done.append(self._begin(request) if request.on else self._end(request))
             self.publish()
 
         try:
-            self._change(carry_out)
+            self._change(change)
         except ConfigError as error:
             rospy.logwarn("sim/malfunction: %s", error)
             return MalfunctionResponse(success=False, message=str(error))
+        self._hear_lamps(lamps)
         rospy.loginfo("%s: %s", self._robot.model, done[0])
         return MalfunctionResponse(success=True, message=done[0])
 
