@@ -163,6 +163,8 @@ class TestAddresses:
             "package:///a.obj",
             "package://unknown/a.obj",
             "file://a.obj",
+            "file:///a%00.obj",
+            "package://robot/a%00.obj",
         ],
     )
     def test_refuses_others_and_names_them(self, address):

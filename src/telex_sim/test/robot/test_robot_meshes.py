@@ -8,6 +8,7 @@ from telex_control.common.params import ConfigError
 from telex_sim.engine.world import World
 from telex_sim.robot import meshes as robot_meshes
 from telex_sim.robot.meshes import check_meshes
+from telex_sim.scene.addresses import resolve_address
 
 ROBOT = """<robot name="r"><link name="base">{}<visual><geometry><mesh filename="{}"/></geometry>
 </visual></link></robot>"""
@@ -53,6 +54,19 @@ class Holder:
 def test_a_file_to_collide_by_that_is_missing_is_refused_at_start_too():
     with pytest.raises(ConfigError, match="link 'base': /nowhere/a.obj: No such file"):
         check_meshes(ROBOT.format(TOUCHED.format("/nowhere/a.obj"), ""), resolve, lambda said: None)
+
+
+def test_an_address_that_no_file_can_have_is_named(plate):
+    def find(address):
+        return resolve_address(address, str)
+
+    said = "link 'base': 'file:///a%00.obj': no file's name has %00"
+    with pytest.raises(ConfigError, match=said):
+        check_meshes(ROBOT.format(TOUCHED.format("file:///a%00.obj"), ""), find, lambda _: None)
+    told = []
+    urdf = ROBOT.format(TOUCHED.format(f"file://{plate}"), "file:///a%00.obj")
+    check_meshes(urdf, find, told.append)
+    assert told == [said]
 
 
 def test_triangles_count_at_each_use_and_a_file_is_read_once(plate, monkeypatch):

@@ -63,6 +63,8 @@ def resolve_address(address: str, package_path: PackagePath) -> str:
     AddressError
         When the address has another scheme, no file, or names an unknown package.
     """
+    if "\0" in unquote(address):
+        raise AddressError(f"'{address}': no file's name has %00")
     if address.startswith(_FILE):
         path = unquote(address[len(_FILE) :])
         if not os.path.isabs(path):
