@@ -27,6 +27,8 @@ class Recorder(Controller):
         self.fail_in = node.param("fail_in", str, "")
         if self.fail_in == "init":
             raise RuntimeError("broken")
+        if self.fail_in == "exit in init":
+            sys.exit(3)
         return self.fail_in != "init as in C++"
 
     def _note(self, call):
@@ -49,6 +51,11 @@ class Recorder(Controller):
 class BadConstructor(Controller):
     def __init__(self):
         raise RuntimeError("broken")
+
+
+class EndingConstructor(Controller):
+    def __init__(self):
+        sys.exit(3)
 
 
 RECORDER = f"{__name__}.Recorder"
@@ -318,6 +325,19 @@ def test_a_controller_that_ends_the_program_ends_only_itself(bench, call, caplog
     tested.cycle(2)
     assert tested.states() == {"c": "stopped", "b": "running"}
     assert "controller 'c' raised an exception" in caplog.text
+
+
+def test_a_controller_that_ends_the_program_before_it_runs_is_not_loaded(bench, caplog):
+    tested = bench(
+        {
+            "c": {"type": RECORDER, "fail_in": "exit in init"},
+            "d": {"type": f"{__name__}.EndingConstructor"},
+        }
+    )
+    assert not tested.manager.load_controller("c")
+    assert not tested.manager.load_controller("d")
+    assert "Exception thrown while initializing controller 'c'" in caplog.text
+    assert "Exception thrown while constructing controller 'd'" in caplog.text
 
 
 def test_hardware_that_raises_fails_the_switch_and_the_loop_goes_on(recorders, caplog):

@@ -55,6 +55,7 @@ def package(tmp_path, monkeypatch):
     (folder / "spring.py").write_text(textwrap.dedent(MODULE))
     (folder / "needy.py").write_text("import a_module_that_nobody_has\n")
     (folder / "broken.py").write_text("raise RuntimeError('no licence')\n")
+    (folder / "ending.py").write_text("raise SystemExit(3)\n")
     monkeypatch.syspath_prepend(str(tmp_path))
     yield folder
     for name in [name for name in sys.modules if name.split(".")[0] == "my_robot"]:
@@ -90,6 +91,14 @@ def test_a_changed_controller_is_reloaded(bench, package):
     assert tested.hw.get(EffortJointInterface).get_handle("elbow").command == 1000.0
 
 
+def test_a_module_that_ends_the_program_when_it_is_reloaded_ends_nothing(bench, package, caplog):
+    tested = bench({"c": {"type": "my_robot.spring.SpringController", "joint": "elbow"}})
+    assert tested.manager.load_controller("c")
+    (package / "spring.py").write_text("raise SystemExit(3)  # of another size\n")
+    assert not tested.manager.reload_controller_libraries(True)
+    assert "Could not reload the module my_robot.spring" in caplog.text
+
+
 @pytest.mark.parametrize(
     ("path", "message"),
     [
@@ -100,6 +109,7 @@ def test_a_changed_controller_is_reloaded(bench, package):
         ("my_robot.spring.Float64", "no subclass"),
         ("my_robot.needy.SpringController", "needs 'a_module_that_nobody_has'"),
         ("my_robot.broken.SpringController", "raised RuntimeError.*no licence"),
+        ("my_robot.ending.SpringController", "raised SystemExit.*: 3"),
         ("SpringController", "list_controller_types"),
         ("my_robot/SpringController", "list_controller_types"),
         ("effort_controllers/JointPostionController", "list_controller_types"),

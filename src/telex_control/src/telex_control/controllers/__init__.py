@@ -104,7 +104,7 @@ def controller_class(type_name: str) -> Type[Controller]:
         else:
             problem = f"its module needs '{missing}', which is not there"
         raise ControllerInitError(f"controller type '{type_name}': {problem}") from error
-    except Exception as error:  # whatever a user's module does when it is imported
+    except (Exception, SystemExit) as error:  # whatever a user's module does when it is imported
         raise ControllerInitError(
             f"controller type '{type_name}': its module raised {type(error).__name__} when it was "
             f"imported: {error}"

@@ -360,7 +360,7 @@ class ControllerManager:
             self._user_types.add(type_name)
         try:
             return LoadedController(name, type_name, kind(), node)
-        except Exception:  # a user's class may raise anything
+        except (Exception, SystemExit):  # a user's class may raise anything
             self._log.exception("Exception thrown while constructing controller '%s'", name)
             return None
 
@@ -371,7 +371,7 @@ class ControllerManager:
         except (ConfigError, HardwareInterfaceError, ControllerInitError) as error:
             self._log.error("Initializing controller '%s' failed: %s", loaded.name, error)
             return False
-        except Exception:  # as above
+        except (Exception, SystemExit):  # as above
             self._log.exception("Exception thrown while initializing controller '%s'", loaded.name)
             self._log.error("Initializing controller '%s' failed", loaded.name)
             return False
@@ -442,7 +442,7 @@ class ControllerManager:
             for module in sorted(self._modules):
                 try:
                     importlib.reload(sys.modules[module])
-                except Exception:  # as when it was first imported
+                except (Exception, SystemExit):  # as when it was first imported
                     self._log.exception("Could not reload the module %s", module)
                     return False
         return True
