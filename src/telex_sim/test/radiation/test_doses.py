@@ -40,6 +40,10 @@ class TestDosimetryConfig:
             ({"history": {"arm": -1.0}}, "history/arm is -1.0 Gy; 0 to 100000 is possible"),
             ({"camera_life": math.inf}, "camera_life is inf"),
             ({"spread": 1.0}, "spread is 1"),
+            (
+                {"electronics": {"robot": {"link": "base_link", "joints": []}}},
+                "electronics has 'robot', which is the hull's name; another one is needed",
+            ),
         ],
     )
     def test_refuses_what_makes_no_sense(self, params, message):

@@ -215,6 +215,25 @@ class TestExposure:
         assert exposure.observe(simulation).electronics[0].failed is False
         assert driven() > 0.05
 
+    def test_electronics_with_the_name_of_a_camera_are_left_out(self, started, caplog):
+        same = {
+            "front": {"link": "base_link", "joints": ["turret_joint"], "life": 1.0},
+            "ghost": {"link": "base_link", "joints": ["turret_joint"]},
+        }
+        simulation = started(
+            SCENE + "history: {front: 20}\n", dosimetry__electronics=same
+        ).simulation
+        with caplog.at_level(logging.WARNING, "rosout"):
+            readings = exposed(simulation).observe(simulation)
+        assert [(part.name, part.failed) for part in readings.cameras] == [
+            ("front", False),
+            ("gripper", False),
+        ]
+        assert [part.name for part in readings.electronics] == ["ghost"]
+        assert readings.electronics[0].dose_rate == readings.hull_rate
+        assert readings.tool_rate > 0.0
+        assert caplog.text.count("electronics 'front' of telex are left out; camera 'front'") == 1
+
     def test_names_a_history_of_what_is_not_there(self, started, caplog):
         simulation = started("name: old\nobjects: []\nhistory: {nose: 3}\n").simulation
         with caplog.at_level(logging.WARNING, "rosout"):

@@ -152,10 +152,14 @@ class Exposure(Stateful):
         cameras = _frames(self._find_cameras())
         electronics = {name: each.link for name, each in dosimetry.electronics.items()}
         self._cameras = [name for name, frame in cameras.items() if frame in links]
-        self._electronics = [name for name, link in electronics.items() if link in links]
+        self._electronics = [
+            name
+            for name, link in electronics.items()
+            if link in links and name not in self._cameras
+        ]
         mortal = [*self._cameras, *self._electronics]
-        places = {**cameras, **electronics}
-        self._lives = {name: dosimetry.life(name) for name in mortal}
+        places = {**electronics, **{name: cameras[name] for name in self._cameras}}
+        self._lives = {name: dosimetry.life(name, name in self._electronics) for name in mortal}
         hull = dosimetry.hull if dosimetry.hull in links else robot.body.base_link
         self._links = [hull, *(places[name] for name in mortal)]
         received = [history.get(name, 0.0) for name in (ROBOT, *mortal)]
@@ -164,6 +168,15 @@ class Exposure(Stateful):
             self._links.append(self._detector or dosimetry.tool)
             received.append(0.0)
         self._doses, self._dead = Doses(received), []
+        for name in self._cameras:
+            if electronics.get(name) in links:
+                _log.warning(
+                    "dosimetry: electronics '%s' of %s are left out; camera '%s' has their name, "
+                    "and another one is needed",
+                    name,
+                    robot.model,
+                    name,
+                )
         for link in dosimetry.lacking(links):
             _log.warning(
                 "dosimetry: %s has no link '%s'; the root link counts, and no tool",

@@ -128,15 +128,18 @@ class DosimetryConfig(Declared):
     def check(self) -> None:
         """Check what concerns single ones in a way of its own; see `Declared.check`."""
         require_history(self.history)
+        require(
+            ROBOT not in self.electronics,
+            f"electronics has '{ROBOT}', which is the hull's name; another one is needed",
+        )
 
     def lacking(self, links: Collection[str]) -> List[str]:
         """Name the links in which it is to measure and which are not among those of a robot."""
         return [link for link in (self.hull, self.tool) if link and link not in links]
 
-    def life(self, component: str) -> float:
+    def life(self, component: str, electronics: bool = False) -> float:
         """Dose (Gy) at which a camera, or electronics, die."""
-        electronics = self.electronics.get(component)
-        mean = self.camera_life if electronics is None else electronics.life
+        mean = self.electronics[component].life if electronics else self.camera_life
         generator = np.random.default_rng((self.seed, zlib.crc32(component.encode())))
         return mean * (1.0 + self.spread * float(generator.uniform(-1.0, 1.0)))
 
