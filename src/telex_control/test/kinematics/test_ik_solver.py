@@ -513,3 +513,12 @@ def test_asking_for_nothing_is_refused():
         Tolerance(position_bounds=(FREE,) * 3, rotation_bounds=(FREE,) * 3)
     with pytest.raises(ConfigError, match="x, y and z are possible"):
         Tolerance.free_roll("w")
+
+
+def test_questions_that_each_have_their_own_tolerance_fill_no_memory():
+    solver = IKSolver(Chain.from_urdf(PLANAR, "l0", "l3"))
+    target = solver.chain.forward([0.3, 0.4, 0.1])
+    for number in range(100):
+        assert solver.solve(target, [0.0] * 3, Tolerance(position=1e-5 + 1e-9 * number)).converged
+    assert len(solver._shapes) <= 64
+    assert solver.solve(target, [0.0] * 3).converged

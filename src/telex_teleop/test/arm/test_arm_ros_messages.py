@@ -1,4 +1,4 @@
-"""What arm_teleop makes of messages on what is near, and which it drops."""
+"""What arm_teleop makes of messages on what is near, and of joints in requests; what it refuses."""
 
 import math
 
@@ -8,6 +8,7 @@ from telex_msgs.msg import Proximity, ProximityPair
 
 from telex_teleop.motion.joint_jog import InvalidCommand
 from telex_teleop.ros.arm_teleop_node import proximity_state
+from telex_teleop.ros.kinematics_services import given_positions
 
 
 def message(**pair):
@@ -62,3 +63,25 @@ def test_positions_that_make_no_sense_are_refused(positions, says):
     near.positions = positions
     with pytest.raises(InvalidCommand, match=says):
         proximity_state(near, [])
+
+
+def test_positions_of_a_request_are_by_joint():
+    assert given_positions("seed_names", ["b", "a"], [0.5, -1e4], ["a", "b", "c"]) == {
+        "a": -1e4,
+        "b": 0.5,
+    }
+
+
+@pytest.mark.parametrize(
+    ("names", "values", "says"),
+    [
+        (["a"], [0.0, 1.0], "2 positions for 1 joint names"),
+        (["x"], [0.0], "joint 'x' does not carry the tool; these do: a, b"),
+        (["a", "b", "a"], [0.0, 0.0, 1.0], "seed_names: a stands there twice; give it once"),
+        (["a"], [math.nan], "position of a is nan; must be a finite number, of at most 10000"),
+        (["b"], [-1e5], "position of b is -100000.0; must be a finite number, of at most 10000"),
+    ],
+)
+def test_positions_that_mean_nothing_are_refused(names, values, says):
+    with pytest.raises(InvalidCommand, match=says):
+        given_positions("seed_names", names, values, ["a", "b"])

@@ -413,6 +413,10 @@ class TestServices:
                 {"joint_names": ["turret_joint"], "positions": [math.nan]},
                 "position of turret_joint is nan",
             ),
+            (
+                {"joint_names": ["turret_joint"] * 2, "positions": [0.0, 1.0]},
+                "joint_names: turret_joint stands there twice",
+            ),
         ],
     )
     def test_bad_requests_for_a_pose_are_refused_with_the_reason(self, started, request_of, says):
@@ -427,6 +431,7 @@ class TestServices:
             (0.0, {"free_axis": "w"}, "free_axis is 'w'"),
             (0.0, {"position_tolerance": -1.0}, "position_tolerance is -1.0"),
             (0.0, {"orientation_tolerance": 1e-15}, "must be at least 1e-12, or 0"),
+            (0.0, {"seed_names": ["turret_joint"], "seed": [1e5]}, "of at most 10000"),
         ],
     )
     def test_bad_requests_for_joints_are_refused_with_the_reason(

@@ -99,13 +99,18 @@ def require_known(joint_names: Sequence[str], known: Collection[str]) -> None:
         )
 
 
+def require_once(field: str, joint_names: Sequence[str]) -> None:
+    """Raise an `InvalidCommand` when a joint stands twice in a field."""
+    twice = sorted(name for name, count in Counter(joint_names).items() if count > 1)
+    if twice:
+        raise InvalidCommand(f"{field}: {', '.join(twice)} stands there twice; give it once")
+
+
 def _check_names(joint_names: Sequence[str], known: Collection[str]) -> None:
     if len(joint_names) == 0:
         raise InvalidCommand("joint_names is empty; name the joints to move")
     require_known(joint_names, known)
-    twice = sorted(name for name, count in Counter(joint_names).items() if count > 1)
-    if twice:
-        raise InvalidCommand(f"joint_names: {', '.join(twice)} stands there twice; give it once")
+    require_once("joint_names", joint_names)
 
 
 def _by_joint(field: str, joint_names: Sequence[str], values: Sequence[float]) -> Dict[str, float]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import threading
 from dataclasses import replace
-from typing import Any, List, Optional, Sequence
+from typing import Any, Dict, List, Optional, Sequence
 
 import numpy as np
 import rospy
@@ -13,12 +13,13 @@ from geometry_msgs.msg import PoseStamped
 from telex_msgs.srv import ComputeFK, ComputeFKResponse, ComputeIK, ComputeIKResponse
 
 from telex_control.common.geometry.matrices import inverse
+from telex_control.common.plausible import LARGEST_POSITION
 from telex_control.kinematics import Chain, IKSolver, KinematicsError, Tolerance
 from telex_control.kinematics.inverse.options import SMALLEST_TOLERANCE
 from telex_control.ros.pose_messages import fill_pose, pose_in
 from telex_teleop.arm.arm_settings import FrameSettings
 from telex_teleop.arm.tool_command import Frame
-from telex_teleop.motion.joint_jog import InvalidCommand
+from telex_teleop.motion.joint_jog import InvalidCommand, require_number, require_once
 from telex_teleop.ros.arm_teleop_node import ArmTeleopNode
 
 NO_ARM = "this robot has no arm from {base} to {tool} that arm_teleop could move"
@@ -60,7 +61,10 @@ class KinematicsServices:
     def _compute_fk(self, request: Any) -> ComputeFKResponse:
         try:
             chain = self._present_chain()
-            positions = self._joint_positions(chain, request.joint_names, request.positions)
+            given = given_positions(
+                "joint_names", request.joint_names, request.positions, chain.joint_names
+            )
+            positions = self._joint_positions(chain, given)
             frame = request.frame_id or self._frames.base
             to_frame = inverse(self._frame_in_base(chain, frame, positions))
             links: List[str] = list(request.link_names) or [self._frames.tool]
@@ -81,7 +85,10 @@ class KinematicsServices:
             assert self._solver is not None
             pose = request.pose.pose
             command = self._node.frames.pose(request.pose.header.frame_id, *pose_in(pose))
-            seed = self._joint_positions(chain, request.seed_names, request.seed)
+            given = given_positions(
+                "seed_names", request.seed_names, request.seed, chain.joint_names
+            )
+            seed = self._joint_positions(chain, given)
             frame = request.pose.header.frame_id or self._node.frames.default
             target = self._frame_in_base(chain, frame, seed) @ command.pose
             tolerance = _tolerance(request)
@@ -113,19 +120,8 @@ class KinematicsServices:
             raise InvalidCommand(NO_ARM.format(base=frames.base, tool=frames.tool))
         return self._chain
 
-    def _joint_positions(
-        self, chain: Chain, names: Sequence[str], values: Sequence[float]
-    ) -> np.ndarray:
+    def _joint_positions(self, chain: Chain, given: Dict[str, float]) -> np.ndarray:
         """Return the positions of the chain's joints: those given, else the measured ones."""
-        if len(values) != len(names):
-            raise InvalidCommand(f"{len(values)} positions for {len(names)} joint names")
-        given = dict(zip(names, values))
-        for name, value in given.items():
-            if name not in chain.joint_names:
-                known = ", ".join(chain.joint_names)
-                raise InvalidCommand(f"joint {name!r} does not carry the tool; these do: {known}")
-            if not math.isfinite(value):
-                raise InvalidCommand(f"position of {name} is {value!r}; must be a finite number")
         measured = self._node.positions()
         if measured is None:
             missing = [joint for joint in chain.joint_names if joint not in given]
@@ -146,6 +142,39 @@ class KinematicsServices:
         if base is None:
             raise InvalidCommand("header.frame_id: the pose of the base in the world is not known")
         return inverse(base)
+
+
+def given_positions(
+    field: str, names: Sequence[str], values: Sequence[float], carriers: Sequence[str]
+) -> Dict[str, float]:
+    """Check joint positions that come with a request.
+
+    Parameters
+    ----------
+    field : str
+        Which one holds the names.
+    carriers
+        Joints that carry the tool.
+
+    Returns
+    -------
+    dict
+        Joint to position (rad or m).
+
+    Raises
+    ------
+    InvalidCommand
+    """
+    if len(values) != len(names):
+        raise InvalidCommand(f"{len(values)} positions for {len(names)} joint names")
+    for name, value in zip(names, values):
+        if name not in carriers:
+            raise InvalidCommand(
+                f"joint {name!r} does not carry the tool; these do: {', '.join(carriers)}"
+            )
+        require_number(f"position of {name}", value, LARGEST_POSITION)
+    require_once(field, names)
+    return dict(zip(names, values))
 
 
 def _tolerance(request: Any) -> Tolerance:

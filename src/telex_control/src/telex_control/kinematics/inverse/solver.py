@@ -66,6 +66,8 @@ _LEAST_PART = 1e-5
 """Of such a line; joints that must go farther for less would jump."""
 _FULL = 1.0 - 1e-6
 """Share of the speed limit from which a joint counts as running at it."""
+_MOST_SHAPES = 64
+"""Tolerances whose tasks are kept prepared; each question may have its own."""
 _FINE = 1e-9
 """Tolerance (m, rad) of a twist's tick: its error must not add up over a minute."""
 
@@ -148,7 +150,7 @@ class IKSolver:
     def warm_up(self) -> None:
         """Compile, or load from the cache, what will be needed. Takes seconds the first time."""
         target = self.numerics.forward(self._middle)
-        task = self._shapes[None].at(target)
+        task = self._shape_of(None).at(target)
         middle = self._middle.copy()
         self.numerics.jacobian(middle)
         self.numerics.solve(task, middle, self._box, self.numerics.random(0), 1)
@@ -658,6 +660,8 @@ class IKSolver:
     def _shape_of(self, tolerance: Optional[Tolerance]) -> TaskShape:
         shape = self._shapes.get(tolerance)
         if shape is None:
+            if len(self._shapes) >= _MOST_SHAPES:
+                del self._shapes[next(iter(self._shapes))]
             shape = self._shapes[tolerance] = self._shape(tolerance or self.options.tolerance)
         return shape
 
