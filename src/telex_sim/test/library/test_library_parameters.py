@@ -178,6 +178,20 @@ def test_a_cube_weighs_as_hardwood_unless_it_is_said():
     assert heavy.model.links[0].mass == 5.0
 
 
+@pytest.mark.parametrize(("height", "glazed"), [(1.3, False), (1.42, False), (1.43, True)])
+def test_a_door_has_a_pane_where_there_is_room_for_one(height, glazed):
+    (door,) = build("door", height=height)
+    leaf = door.model.links[1].parts
+    assert all(min(part.geometry.size) > 0.0 for part in leaf)
+    assert any(part.surface and part.surface.color[3] < 1.0 for part in leaf) is glazed
+
+
+def test_a_lever_without_notches_to_hold_it_has_only_friction():
+    (lever,) = build("lever", notch_torque=0.0)
+    (hinge,) = lever.model.joints
+    assert (hinge.detents, hinge.friction) == (None, 1.0)
+
+
 @pytest.mark.parametrize("kind", OWN)
 def test_the_catalogue_names_every_type_with_its_parameters(kind):
     catalogue = package_file("telex_sim").parent.parent / "docs" / "instructor" / "scene_objects.md"

@@ -31,6 +31,10 @@ _GAP = 0.004
 """Gap round the leaf (m)."""
 _THICKNESS = 0.04
 _POST = 0.08
+_PANE_FROM = 1.25
+"""Height of the pane's lower edge (m)."""
+_LEAST_PANE = 0.05
+"""A leaf without room for a pane of this height has none (m)."""
 _HANDLE_HEIGHT = 1.02
 _HANDLE_INSET = 0.07
 _SPRING = 0.6
@@ -167,8 +171,9 @@ class Door(ObjectType):
         middle = (-self._away * 0.5 * _THICKNESS, -self._left * 0.5 * self.width, 0.0)
         paint = Surface(opaque(self.color), "generated:painted_metal", 1.0)
         solid = box((_THICKNESS, wide, high), (0.0, 0.0, _SILL + 0.5 * high))
-        if self.window:
-            shown = self._glazed(wide, high, paint)
+        pane_to = min(_PANE_FROM + 0.55, _SILL + high - 0.12)
+        if self.window and pane_to - _PANE_FROM >= _LEAST_PANE:
+            shown = self._glazed(wide, high, pane_to, paint)
         else:
             shown = (box((_THICKNESS, wide, high), (0.0, 0.0, _SILL + 0.5 * high), paint),)
         kick = box(
@@ -185,9 +190,8 @@ class Door(ObjectType):
         )
         return placed((solid, *seen_only((*shown, kick, plate, closer))), middle)
 
-    def _glazed(self, wide: float, high: float, paint: Surface) -> Parts:
-        low, stile, top = 1.25, 0.28 * wide, _SILL + high
-        upper = min(low + 0.55, top - 0.12)
+    def _glazed(self, wide: float, high: float, upper: float, paint: Surface) -> Parts:
+        low, stile, top = _PANE_FROM, 0.28 * wide, _SILL + high
         glass = Surface((0.55, 0.68, 0.72, 0.35))
         return (
             box((_THICKNESS, wide, low - _SILL), (0.0, 0.0, 0.5 * (low + _SILL)), paint),

@@ -205,7 +205,11 @@ class Lever(ObjectType):
             start=self.start,
             friction=self.friction,
             damping=0.05,
-            detents=Detents(self.notches, self.notch_torque, min(0.15, 0.4 * narrowest)),
+            detents=(
+                Detents(self.notches, self.notch_torque, min(0.15, 0.4 * narrowest))
+                if self.notch_torque > 0.0
+                else None
+            ),
         )
         links = (Link("housing", 0.0, self._housing()), Link("lever", 0.5, self._lever()))
         return single(ObjectModel(links, (hinge,), static=True))
