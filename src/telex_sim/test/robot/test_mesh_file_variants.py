@@ -3,8 +3,10 @@
 import struct
 
 import numpy as np
+import pybullet
 import pytest
 
+from telex_sim.engine.world import World
 from telex_sim.scene.meshes.mesh_files import load_mesh, load_parts
 
 WHITE = (1.0, 1.0, 1.0, 1.0)
@@ -89,6 +91,10 @@ OBJ = {
             )
         ],
     ),
+    "carriage returns alone": (
+        {"a.obj": (SQUARE + "f 1 2 3\nf 1 3 4\n").replace("\n", "\r")},
+        [(None, None, HALVES)],
+    ),
     "objects, groups and smoothing": (
         {
             "a.obj": "o one\ng left\ns 1\n" + SQUARE + "f 1 2 3\no two\ng right\ns off\nf 1 3 4\n",
@@ -104,6 +110,8 @@ OBJ = {
     ),
 }
 
+ROBOT = """<robot name="r"><link name="base"><collision><geometry><mesh filename="{}"/></geometry>
+</collision></link></robot>"""
 HEAD = """<?xml version="1.0"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
   <asset>{asset}</asset>
@@ -279,10 +287,10 @@ def rows(corners, uvs):
     return sorted(found)
 
 
-@pytest.mark.parametrize(
-    ("files", "expected"),
-    [pytest.param(*case, id=name) for cases in (OBJ, STL, DAE) for name, case in cases.items()],
-)
+CASES = [pytest.param(*case, id=name) for cases in (OBJ, STL, DAE) for name, case in cases.items()]
+
+
+@pytest.mark.parametrize(("files", "expected"), CASES)
 def test_a_file_of_another_program_gives_its_parts(tmp_path, files, expected):
     path = written(tmp_path, files)
     parts = load_parts(path)
@@ -304,3 +312,19 @@ def test_a_file_of_another_program_gives_its_parts(tmp_path, files, expected):
             np.testing.assert_allclose(normals, np.repeat(across[:, None], 3, axis=1), atol=1e-5)
     total = sum(len(triangles) for _, _, triangles, *_ in expected)
     assert len(load_mesh(path).triangles) == total
+
+
+@pytest.mark.parametrize(("files", "expected"), CASES)
+def test_a_robot_collides_by_what_is_drawn_of_a_file(tmp_path, closing, files, expected):
+    world = closing(Holder)().world
+    urdf = ROBOT.format(written(tmp_path, files))
+    body = world.load_robot(urdf, str, (0.0, 0.0, 0.0), 0.0, {}, fixed_base=True)
+    found = pybullet.getAABB(body.uid, -1, physicsClientId=world.client)
+    points = np.concatenate([np.reshape(part[2], (-1, 3)) for part in expected])
+    # PyBullet adds 2 or 3 mm of margin.
+    assert np.array(found) == pytest.approx(np.array([points.min(0), points.max(0)]), abs=3.1e-3)
+
+
+class Holder:
+    def __init__(self):
+        self.world = World(0.002, 50)

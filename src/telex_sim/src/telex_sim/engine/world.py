@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import tempfile
+from pathlib import Path
 from typing import Callable, Collection, Dict, List, Mapping, Optional, Sequence, Tuple
 from xml.etree import ElementTree
 
@@ -17,6 +18,7 @@ from telex_control.urdf.model import read_xml
 
 from ..robot.urdf.frames import Frame, take_out_frames, take_out_wheels
 from ..robot.urdf.masses import complete_masses
+from ..scene.meshes.mesh_files import rewritten
 from .overlaps import neighbours
 
 GRAVITY = 9.81
@@ -247,16 +249,16 @@ class World:
         if not self._gui:
             # Nothing looks at them there, and reading them is most of the time that loading takes.
             _drop_visuals(root)
-        _use_local_meshes(root, resolve)
         flags = pybullet.URDF_USE_INERTIA_FROM_FILE
         if self_collision:
             flags |= pybullet.URDF_USE_SELF_COLLISION
         try:
-            with tempfile.NamedTemporaryFile("w", suffix=".urdf") as file:
-                file.write(ElementTree.tostring(root, encoding="unicode"))
-                file.flush()
+            with tempfile.TemporaryDirectory() as folder:
+                _use_local_meshes(root, resolve, Path(folder))
+                file = Path(folder, "robot.urdf")
+                file.write_text(ElementTree.tostring(root, encoding="unicode"), encoding="utf-8")
                 uid = pybullet.loadURDF(
-                    file.name,
+                    str(file),
                     useFixedBase=masses.fixed,
                     flags=flags,
                     physicsClientId=client,
@@ -316,12 +318,21 @@ class World:
         pybullet.stepSimulation(physicsClientId=self.client)
 
 
-def _use_local_meshes(root: ElementTree.Element, resolve: Callable[[str], str]) -> None:
-    for mesh in root.iter("mesh"):
-        try:
+def _use_local_meshes(
+    root: ElementTree.Element, resolve: Callable[[str], str], folder: Path
+) -> None:
+    """Name the meshes by paths, of copies in `folder` where PyBullet would read another shape."""
+    try:
+        for mesh in root.iter("mesh"):
             mesh.set("filename", resolve(mesh.get("filename", "")))
-        except ValueError as error:
-            raise WorldError(f"robot_description: {error}") from error
+        for number, mesh in enumerate(root.iterfind("link/collision/geometry/mesh")):
+            content = rewritten(Path(mesh.get("filename", "")))
+            if content is not None:
+                copy = folder / f"{number}.stl"
+                copy.write_bytes(content)
+                mesh.set("filename", str(copy))
+    except ValueError as error:
+        raise WorldError(f"robot_description: {error}") from error
 
 
 def _drop_visuals(root: ElementTree.Element) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
@@ -21,6 +22,9 @@ _LARGEST = 1.0e6
 
 _STL_HEADER = 84
 _STL_FACET = np.dtype([("normal", "<f4", (3,)), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+# What ends or continues a line in `_read_obj`, but not in PyBullet.
+_OTHER_LINES = re.compile(rb"\\\n|\r(?!\n)|[\x0b\x0c\x1c-\x1e]")
 
 # Position, texture coordinate and normal of a face's corner, counted from 0; -1 when absent.
 _Corner = Tuple[int, int, int]
@@ -80,6 +84,43 @@ def load_parts(path: Path) -> List[MeshPart]:
         ]
     except ValueError as error:
         raise _refused(path, error) from error
+
+
+def rewritten(path: Path) -> Optional[bytes]:
+    """Write a file of which PyBullet makes another shape than `load_mesh` as a binary STL.
+
+    Of STL it reads binary files only; in OBJ a carriage return ends no line, and a backslash
+    continues none; of COLLADA it heeds no up axis, and takes triangles only.
+
+    Returns
+    -------
+    bytes, optional
+        None: PyBullet can read the file as it is, or there is none.
+
+    Raises
+    ------
+    MeshFileError
+        The file is broken or too large.
+    """
+    try:
+        if not _is_read_otherwise(path):
+            return None
+    except OSError:
+        return None
+    positions = np.concatenate([part.corners.positions for part in _read(path, False)])
+    facets = np.zeros(len(positions), dtype=_STL_FACET)
+    facets["corners"] = positions
+    return bytes(_STL_HEADER - 4) + len(facets).to_bytes(4, "little") + facets.tobytes()
+
+
+def _is_read_otherwise(path: Path) -> bool:
+    kind = path.suffix.lower()
+    if kind not in (".obj", ".stl"):
+        return kind == ".dae"
+    content = path.read_bytes()
+    if kind == ".obj":
+        return _OTHER_LINES.search(content) is not None
+    return len(content) != _binary_size(content)
 
 
 def _refused(path: Path, error: ValueError) -> MeshFileError:
@@ -211,18 +252,23 @@ def _read_stl(path: Path, _: bool) -> List[FilePart]:
 
 def _stl_corners(content: bytes) -> np.ndarray:
     # Binary files may begin with the text files' keyword, so the size decides.
-    if len(content) >= _STL_HEADER:
-        count = int.from_bytes(content[_STL_HEADER - 4 : _STL_HEADER], "little")
-        expected = _STL_HEADER + count * _STL_FACET.itemsize
-        if len(content) == expected:
-            _check_count(count)
-            facets = np.frombuffer(content, dtype=_STL_FACET, offset=_STL_HEADER)
-            return facets["corners"].astype(np.float64)
+    expected = _binary_size(content)
+    count = (expected - _STL_HEADER) // _STL_FACET.itemsize
+    if len(content) == expected:
+        _check_count(count)
+        facets = np.frombuffer(content, dtype=_STL_FACET, offset=_STL_HEADER)
+        return facets["corners"].astype(np.float64)
     if content.lstrip()[:5].lower() == b"solid":
         return _read_ascii_stl(content)
     if len(content) < _STL_HEADER:
         raise ValueError(f"no STL file: {len(content)} bytes are less than a header")
     raise ValueError(f"{count} triangles take {expected} bytes, the file has {len(content)}")
+
+
+def _binary_size(content: bytes) -> int:
+    """Bytes that an STL file has if it is a binary one."""
+    count = int.from_bytes(content[_STL_HEADER - 4 : _STL_HEADER], "little")
+    return _STL_HEADER + count * _STL_FACET.itemsize
 
 
 def _read_ascii_stl(content: bytes) -> np.ndarray:
