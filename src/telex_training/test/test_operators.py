@@ -112,6 +112,16 @@ class TestDriving:
         assert abs(math.remainder(floor.yaw - 2.0, 2.0 * math.pi)) < 0.03
         assert floor.speeds[-1] == Drive()
 
+    def test_what_takes_long_between_two_looks_costs_no_patience(
+        self, station: Station, floor: FlatFloor
+    ) -> None:
+        station.tick()
+        floor.time += 60.0  # a service answered late, on a busy machine
+        driving.turn_to(station, 0.6)
+        assert floor.yaw == pytest.approx(0.6, abs=0.05)
+        floor.time += 60.0
+        station.work_on(lambda: floor.time > 130.0, [(0.0, 0.0)], 15.0, "two minutes")
+
     def test_drives_backwards(self, station: Station, floor: FlatFloor) -> None:
         driving.run_to(station, (-1.0, 0.05), 0.5, backwards=True)
         assert abs(floor.x + 1.0) < 0.03

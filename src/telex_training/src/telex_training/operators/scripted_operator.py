@@ -193,6 +193,7 @@ class Operator(abc.ABC):
         NotManagedError
             It is not reached within `timeout`.
         """
+        self.look()  # what was done since the last one may have taken long
         end = self.time + min(timeout, self.longest_wait)
         while not reached():
             if self.time >= end:
@@ -233,6 +234,7 @@ class Operator(abc.ABC):
             It is not reached within `timeout`.
         """
         come = way or (lambda: self.pose.x)
+        self.look()
         end, turn = self.time + min(timeout, self.longest_wait), 0
         best, since = come(), self.time
         self.flippers(*settings[0])

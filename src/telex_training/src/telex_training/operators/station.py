@@ -64,8 +64,8 @@ class Station(Operator):
         self._silent_until: Dict[str, float] = {}
         self._wanted: Dict[str, float] = {}
         self._chains: Dict[str, Chain] = {}
+        self._began = port.observe().time
         self.look()
-        self._began = self._seen.time
         port.repeat = self._repeat
 
     # --- what is seen ----------------------------------------------------------------------------
@@ -73,6 +73,7 @@ class Station(Operator):
     def look(self) -> None:
         """See the robot as it is now, and hear what its nodes say."""
         super().look()
+        self.time = self.now - self._began
         for node, notice in self._seen.notices.items():
             if notice.number == self._heard.get(node):
                 continue
@@ -158,10 +159,6 @@ class Station(Operator):
             self._held.pop(node, None)
         if not nodes:
             self._wanted = {}
-
-    def _pass(self, seconds: float) -> None:
-        super()._pass(seconds)
-        self.time = self.now - self._began
 
     def tick(self) -> None:
         """Repeat what is held, and let a moment pass; see `Operator.tick`."""
