@@ -1,5 +1,6 @@
 """Forgetting people: nothing of a name is left, and nothing else is lost."""
 
+import fcntl
 import json
 import os
 import re
@@ -11,9 +12,11 @@ from telex_training.progress.exports import trials_csv
 from telex_training.progress.index import ProgressIndex
 from telex_training.progress.people import EXPORTS, PeopleError, expire, forget, new_pseudonym
 from telex_training.progress.trial_facts import read_trial
+from telex_training.recording import pseudonym
 from telex_training.recording.amending import amend
 from telex_training.recording.pseudonym import MARK, operator_of, rename_person
 from telex_training.recording.reader import read_recording
+from telex_training.recording.writer import RecordingError
 
 
 @pytest.fixture
@@ -93,10 +96,31 @@ class TestRename:
     def test_a_recording_that_was_cut_off_is_renamed_as_far_as_it_goes(self, tmp_path, judged):
         path = judged(tmp_path)
         path.write_bytes(path.read_bytes()[:-2000])
+        os.utime(path, (0, 0))
         assert operator_of(path) == "ann"
         renamed = rename_person(path, "ann", "person-1")
         assert operator_of(renamed.path) == "person-1"
         assert not re.search(rb"\bann\b", everything(renamed.path))
+
+    def test_a_recording_that_is_being_written_is_left_alone(self, tmp_path, judged):
+        path = judged(tmp_path)
+        path.write_bytes(path.read_bytes()[:-2000])
+        before = path.stat().st_ino, path.read_bytes()
+        for name in ("ann", "bob"):
+            with pytest.raises(RecordingError, match="this trial runs"):
+                rename_person(path, name, "person-1")
+        assert (path.stat().st_ino, path.read_bytes()) == before
+
+    def test_who_amends_a_recording_waits_meanwhile(self, tmp_path, judged, monkeypatch):
+        folder = os.open(tmp_path, os.O_RDONLY)
+
+        def rename(*_):
+            with pytest.raises(BlockingIOError):
+                fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+        monkeypatch.setattr(pseudonym, "_rename", rename)
+        rename_person(judged(tmp_path), "bob", "person-2")
+        os.close(folder)
 
     def test_where_a_name_is_still_written_is_told(self, tmp_path, judged):
         text = (
@@ -187,6 +211,17 @@ class TestForget:
             forget(index, "ann")
         os.utime(path, (0, 0))
         assert forget(index, "ann").removed == [path]
+
+    def test_nothing_is_touched_while_the_trial_of_somebody_else_runs(self, index, judged):
+        own = record(index.folder, "bob", stamp="2026-03-05_080000")
+        running = judged(index.folder)  # ann's, with bob at the bridge
+        running.write_bytes(running.read_bytes()[:-2000])
+        before = running.stat().st_ino
+        with pytest.raises(PeopleError, match=f"{running.name}: this trial runs"):
+            forget(index, "bob")
+        assert own.exists()
+        assert running.stat().st_ino == before
+        assert b"bob" in everything(running)
 
     def test_a_file_that_cannot_be_searched_is_told(self, index):
         record(index.folder)

@@ -10,15 +10,13 @@ from pathlib import Path
 from typing import List, Optional
 
 from ..recording.pseudonym import operator_of, rename_person, spellings, traces
-from ..recording.reader import read_recording
+from ..recording.reader import is_being_written
 from ..recording.trial_file import trials
 from ..recording.writer import RecordingError
 from .index import ProgressIndex
 
 EXPORTS = "exports"
 """Folder in that of the recordings where exports go, so that they can be forgotten as well."""
-BEING_WRITTEN = 60.0
-"""A file that is not closed, and changed within this time, is a trial that runs (s)."""
 DAY = 86400.0
 
 
@@ -68,13 +66,14 @@ def forget(index: ProgressIndex, name: str, pseudonym: str = "") -> Forgotten:
     Raises
     ------
     PeopleError
-        There is no such person, or one of the trials runs.
+        There is no such person, or a trial runs, of whomever.
     """
     if not name.strip():
         raise PeopleError("name is ''; trials under no name belong to nobody")
     files = trials(index.folder)
     own = [path for path in files if operator_of(path) == name]
-    for path in own:
+    for path in files:
+        # Others', too: the name may stand in them, and what is written cannot be replaced.
         if _runs(path):
             raise PeopleError(f"{path}: this trial runs; it has to be ended first (training/abort)")
     done = Forgotten()
@@ -102,8 +101,8 @@ def _unknown(index: ProgressIndex, name: str) -> str:
 
 def _runs(path: Path) -> bool:
     try:
-        return not read_recording(path).whole and time.time() - path.stat().st_mtime < BEING_WRITTEN
-    except (RecordingError, OSError):
+        return is_being_written(path)
+    except RecordingError:  # damaged, which is told when it cannot be searched
         return False
 
 

@@ -41,7 +41,7 @@ def amend(path: Path, inputs: Sequence[Mapping[str, Any]], wall_ns: int) -> str:
     ------
     RecordingError
     """
-    with _alone(path.parent):
+    with alone(path.parent):
         return _amend(path, inputs, wall_ns)
 
 
@@ -73,8 +73,8 @@ def _amend(path: Path, inputs: Sequence[Mapping[str, Any]], wall_ns: int) -> str
 
 
 @contextlib.contextmanager
-def _alone(folder: Path) -> Iterator[None]:
-    """Wait for whoever amends in a folder, and have others wait.
+def alone(folder: Path) -> Iterator[None]:
+    """Wait for whoever replaces recordings of a folder, and have others wait.
 
     Raises
     ------

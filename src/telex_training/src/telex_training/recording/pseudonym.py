@@ -22,7 +22,8 @@ from mcap.stream_reader import StreamReader
 
 from ..judging.entries import CLIENTS, INPUTS, NAMES, TRUTH, BadEntryError, Entry, decode, json_of
 from ..judging.sheet import sheet_text
-from .reader import Recording, read_recording
+from .amending import alone
+from .reader import Recording, is_being_written, read_recording
 from .signature import SIGNATURE, sealing_again
 from .trial_file import SHEET, SUFFIX, TRIAL, judged, safe_name, serialised_input, sheet_attachment
 from .writer import Attachment, RecordingError, RecordingWriter, Seal
@@ -90,9 +91,13 @@ def rename_person(path: Path, name: str, pseudonym: str) -> Optional[Renamed]:
     Raises
     ------
     RecordingError
+        It cannot be read or written, or is that of a trial that runs.
     """
     try:
-        return _rename(read_recording(path), name, pseudonym)
+        with alone(path.parent):
+            if is_being_written(path):
+                raise RecordingError(f"{path}: this trial runs; it has to be ended first")
+            return _rename(read_recording(path), name, pseudonym)
     except (ValueError, KeyError, TypeError) as error:  # of an attachment
         raise RecordingError(f"{path}: an attachment is wrong: {error}") from error
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,6 +19,8 @@ MOST_BYTES = 4 * 2**30
 """Size of a recording that is read; four days of training are shorter."""
 MOST_UNPACKED = 4 * 2**30
 """Bytes of all entries of a recording, once they are unpacked."""
+BEING_WRITTEN = 60.0
+"""A file that is not closed, and changed within this time, is a trial that runs (s)."""
 _TIMES_END = 2**63
 """Of the times of entries (ns): those beyond it are no times, and no float has each of them."""
 _MOST_RECORD = 64 * 2**20
@@ -106,8 +109,8 @@ def _read(path: Path, file: BinaryIO) -> Recording:
                 raise RecordingError(
                     f"{path}: its entries have more than the {MOST_UNPACKED} bytes that are read"
                 )
-            time = record.log_time / 1e9
-            entries.append(Entry(record.sequence, time, channel.topic, kind, record.data))
+            at = record.log_time / 1e9
+            entries.append(Entry(record.sequence, at, channel.topic, kind, record.data))
             walls.append(record.publish_time)
         elif isinstance(record, AttachmentRecord):
             if record.name in attachments:
@@ -127,6 +130,21 @@ def _records(file: BinaryIO) -> Iterator[object]:
         if record.uncompressed_size > _MOST_RECORD:
             raise ValueError(f"a chunk has {record.uncompressed_size} bytes")
         yield from breakup_chunk(record, validate_crc=True)
+
+
+def is_being_written(path: Path) -> bool:
+    """Whether a file is the recording of a trial that runs, see `BEING_WRITTEN`.
+
+    Raises
+    ------
+    RecordingError
+        It cannot be read.
+    """
+    try:
+        changed = path.stat().st_mtime
+    except OSError as error:
+        raise RecordingError(f"{path}: {error.strerror}") from error
+    return time.time() - changed < BEING_WRITTEN and not read_recording(path).whole
 
 
 def repair(path: Path) -> Recording:
