@@ -1,5 +1,6 @@
 """The index: made of the recordings alone, again each time, whatever happens to file or index."""
 
+import fcntl
 import json
 import os
 import sqlite3
@@ -8,6 +9,7 @@ import stat
 import pytest
 from recorded_trials import record, sheet
 
+from telex_training.progress import importing
 from telex_training.progress.importing import KNOWN, NEW, NEWER, REFUSED, import_files
 from telex_training.progress.index import ProgressIndex, ProgressIndexError
 from telex_training.progress.trial_facts import MarkFacts, read_trial
@@ -315,6 +317,49 @@ class TestImport:
         assert found.what == REFUSED
         assert "the one that is here is kept" in found.reason
         assert ours.read_bytes() == before
+
+    def test_what_nobody_vouches_for_takes_no_signed_exams_place(
+        self, index, tmp_path, monkeypatch
+    ):
+        monkeypatch.setenv("ROS_HOME", str(tmp_path / "home"))
+        ours = record(index.folder, mode="exam", signed=True)
+        other = tmp_path / "usb" / ours.name
+        other.parent.mkdir()
+        other.write_bytes(ours.read_bytes())
+        note = {"input": "tlx", "values": [10, 20, 30, 40, 50, 60]}
+        amend(other, [note], 1)
+        signed = other.read_bytes()
+        with monkeypatch.context() as elsewhere:  # where no key of this station is known
+            elsewhere.setenv("ROS_HOME", str(tmp_path / "other home"))
+            other.write_bytes(ours.read_bytes())
+            amend(other, [note], 1)
+        before = ours.read_bytes()
+        index.refresh()
+        (found,) = import_files(index, [other])
+        assert found.what == REFUSED
+        assert found.reason == (
+            f"{other}: its signature is: no signature; that of {ours.name} is valid, so the one "
+            "that is here is kept"
+        )
+        assert ours.read_bytes() == before
+        assert index.trials()[0].in_exam
+        other.write_bytes(signed)
+        assert import_files(index, [other])[0].what == NEWER
+        assert index.trials()[0].in_exam
+
+    def test_who_amends_a_recording_waits_while_it_is_taken_in(
+        self, index, tmp_path, judged, monkeypatch
+    ):
+        index.folder.mkdir()
+        folder = os.open(index.folder, os.O_RDONLY)
+
+        def copy(*_):
+            with pytest.raises(BlockingIOError):
+                fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+        monkeypatch.setattr(importing, "_copy", copy)
+        assert import_files(index, [judged(tmp_path / "usb")])[0].what == NEW
+        os.close(folder)
 
     def test_another_trial_of_the_same_name_is_refused(self, index, tmp_path):
         ours = record(index.folder)

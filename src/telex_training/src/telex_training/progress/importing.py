@@ -10,8 +10,11 @@ from pathlib import Path
 from typing import Iterator, List, Sequence, Tuple
 
 from ..judging.entries import Entry
+from ..recording.amending import alone
 from ..recording.reader import read_recording
-from ..recording.trial_file import trials
+from ..recording.signature import VALID
+from ..recording.station_keys import known_keys
+from ..recording.trial_file import signature_of, trials
 from ..recording.writer import RecordingError, check_room
 from .index import ProgressIndex
 from .trial_facts import TrialFacts, file_of, read_trial
@@ -78,6 +81,11 @@ def _files(given: Sequence[Path]) -> Iterator[Path]:
 
 def _import(index: ProgressIndex, path: Path, verify: bool) -> str:
     facts = read_trial(path, verify)
+    with alone(index.folder):
+        return _take_in(index, path, facts)
+
+
+def _take_in(index: ProgressIndex, path: Path, facts: TrialFacts) -> str:
     own = index.file_of(facts.trial) or file_of(index.folder, facts.trial)
     if not own.exists():
         _copy(path, own)
@@ -111,8 +119,25 @@ def _merge(path: Path, facts: TrialFacts, own: Path, known: TrialFacts) -> str:
             f"{path}: trial {facts.trial} was marked, or made anonymous, in {own.name} otherwise "
             "than in this file; the one that is here is kept"
         )
+    _require_as_valid(path, own)
     _copy(path, own)
     return NEWER
+
+
+def _require_as_valid(path: Path, own: Path) -> None:
+    """Refuse to put what nobody vouches for in the place of a signed exam.
+
+    Raises
+    ------
+    RecordingError
+    """
+    keys = known_keys()
+    theirs = signature_of(path, keys)
+    if theirs.state != VALID and signature_of(own, keys).state == VALID:
+        raise RecordingError(
+            f"{path}: its signature is: {theirs}; that of {own.name} is valid, so the one that is "
+            "here is kept"
+        )
 
 
 def _content(path: Path) -> List[Tuple[str, bytes]]:
