@@ -232,6 +232,15 @@ class TestReports:
         assert "weakest metric 2" in text
         assert len(figures(text)) == 4
 
+    def test_a_trial_that_is_not_valid_has_passed_nothing(self, trials):
+        trials(verdict="passed", valid=False)
+        trials(verdict="failed")
+        trials(verdict="")
+        text = person_report("ann", trials(verdict="passed"), [], NOW)
+        cells = re.findall(r"<td>(?:<span class=\"(\w+)\">)?(\w+ ?\w+)(?:</span>)?</td><td", text)
+        shown = [each for each in cells if each[1] in ("passed", "failed", "no verdict", "invalid")]
+        assert shown == [("ok", "passed"), ("", "no verdict"), ("bad", "failed"), ("", "invalid")]
+
     def test_it_needs_nothing_beside_itself(self, trials):
         text = person_report("ann", trials(), courses(), NOW)
         assert not re.search(r"<(script|link|img)\b|(src|href)=|url\(|@import", text)

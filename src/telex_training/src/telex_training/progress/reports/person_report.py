@@ -208,8 +208,10 @@ def _weak(weak: Weakness) -> Tuple[str, str]:
 def _trials(trials: Sequence[TrialFacts]) -> str:
     rows = []
     for trial in reversed(trials[-_MOST_TRIALS:]):
-        verdict = trial.verdict or ("no verdict" if trial.valid else "invalid")
-        kind = "ok" if trial.passed else "bad"
+        verdict = "no verdict" if trial.valid else "invalid"
+        if trial.valid and trial.verdict:
+            kind = "ok" if trial.passed else "bad"
+            verdict = f'<span class="{kind}">{escape(trial.verdict)}</span>'
         rows.append(
             [
                 day(trial.began, clock=True),
@@ -218,7 +220,7 @@ def _trials(trials: Sequence[TrialFacts]) -> str:
                 escape(f"{trial.mode}, {trial.flaw}" if trial.flaw else trial.mode),
                 str(len(trial.repetitions)),
                 str(trial.faults),
-                f'<span class="{kind}">{escape(verdict)}</span>' if trial.verdict else verdict,
+                verdict,
                 _marked(trial),
                 number(trial.raw_workload, ""),
             ]
