@@ -8,7 +8,7 @@ import os
 import sys
 import time
 from dataclasses import replace
-from typing import Callable, Dict, List, Optional
+from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 
 import cv2
 import numpy as np
@@ -27,6 +27,7 @@ from ..drawing.gl_context import NoContextError, create_context
 from ..drawing.light.daylight import Lighting
 from ..drawing.quality import choose_quality
 from ..drawing.renderer import Renderer
+from ..optics.camera_sensor import CameraSensor
 from ..optics.exposure import exposure_factor
 from .camera_topics import CameraStream, StreamView, Wanted
 from .frame_pacer import next_due
@@ -54,6 +55,22 @@ _MANY_PROCESSORS = 4
 MakeRenderer = Callable[[CamerasConfig], Renderer]
 
 
+class _Frozen(NamedTuple):
+    """What a frozen camera goes on sending, in full size.
+
+    Attributes
+    ----------
+    freezes : int
+        How often it had frozen then.
+    depth : ndarray, optional
+        None where it offered none.
+    """
+
+    freezes: int
+    picture: np.ndarray
+    depth: Optional[np.ndarray]
+
+
 class CamerasNode:
     """Renders the cameras that somebody looks at, in the thread that calls ``run``.
 
@@ -73,8 +90,7 @@ class CamerasNode:
         robots = [RobotCameras(config), *(_further(robot) for robot in config.robots)]
         self._robots = {stream: robot for robot in robots for stream in robot.streams}
         self._lit = robots
-        # Last pictures of frozen cameras, in full size.
-        self._frozen: Dict[CameraStream, np.ndarray] = {}
+        self._frozen: Dict[CameraStream, _Frozen] = {}
         self._mirror = SceneMirror(
             self._renderer,
             [frame for robot in robots for frame in robot.frames],
@@ -233,27 +249,37 @@ class CamerasNode:
         sensor = view.sensor
         if due.is_preview:
             self._sizes.shown()
-            stream.publish_preview(sensor, self._picture(stream, view, self._placed, now), stamp)
+            picture, _ = self._picture(stream, view, self._placed, now, False)
+            stream.publish_preview(sensor, picture, stamp)
         elif stream.wants_picture:
-            picture = self._picture(stream, view, self._placed, now)
+            picture, depth = self._picture(stream, view, self._placed, now, stream.wants_depth)
             self._resting = self._renderer.repeats
-            depth = None
-            if stream.wants_depth:
-                depth = sensor.depth(self._renderer.depth(sensor.pinhole))
             stream.publish(sensor, picture, depth, stamp, now)
 
     def _picture(
-        self, stream: CameraStream, view: StreamView, placed: Arrival, now: float
-    ) -> np.ndarray:
-        """Show the scene as a camera sees it, or saw it when it froze."""
-        if not self._robots[stream].flaws(stream).frozen:
+        self, stream: CameraStream, view: StreamView, placed: Arrival, now: float, deep: bool
+    ) -> Tuple[np.ndarray, Optional[np.ndarray]]:
+        """Show the scene as a camera sees it, or saw it when it froze; with depths if `deep`."""
+        robot = self._robots[stream]
+        if not robot.flaws(stream).frozen:
             self._frozen.pop(stream, None)
-            return self._seen(stream, view, placed, now)
-        if stream not in self._frozen:
-            whole = StreamView(stream.full_sensor(), False)
-            self._frozen[stream] = self._seen(stream, whole, placed, now).copy()
+            picture = self._seen(stream, view, placed, now)
+            return picture, self._depth(view.sensor) if deep else None
+        kept = self._frozen.get(stream)
+        if kept is None or kept.freezes != robot.freezes(stream):
+            whole = stream.full_sensor()
+            picture = self._seen(stream, StreamView(whole, False), placed, now).copy()
+            depth = self._depth(whole) if stream.config.depth else None
+            kept = self._frozen[stream] = _Frozen(robot.freezes(stream), picture, depth)
         shape = (view.sensor.config.width, view.sensor.config.height)
-        return cv2.resize(self._frozen[stream], shape, interpolation=cv2.INTER_AREA)
+        picture = cv2.resize(kept.picture, shape, interpolation=cv2.INTER_AREA)
+        if not deep or kept.depth is None:
+            return picture, None
+        return picture, cv2.resize(kept.depth, shape, interpolation=cv2.INTER_NEAREST)
+
+    def _depth(self, sensor: CameraSensor) -> np.ndarray:
+        """Measure how far what the last picture shows is, which this sensor took."""
+        return sensor.depth(self._renderer.depth(sensor.pinhole))
 
     def _seen(
         self, stream: CameraStream, view: StreamView, placed: Arrival, now: float

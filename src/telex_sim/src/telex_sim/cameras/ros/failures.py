@@ -118,6 +118,7 @@ class HeardMalfunctions:
     def __init__(self, prefix: str = "") -> None:
         # Replaced as a whole by a thread of ROS, which needs no lock.
         self._broken = Broken()
+        self._freezes: Dict[str, int] = {}
         self._subscriber = rospy.Subscriber(
             f"{prefix}sim/malfunctions", Malfunctions, self._take, queue_size=1, tcp_nodelay=True
         )
@@ -125,6 +126,10 @@ class HeardMalfunctions:
     def flaws(self, camera: str) -> Flaws:
         """Return what is wrong with a camera."""
         return self._broken.flaws.get(camera, SOUND)
+
+    def freezes(self, camera: str) -> int:
+        """How often a camera has frozen."""
+        return self._freezes.get(camera, 0)
 
     @property
     def cameras_work(self) -> bool:
@@ -136,7 +141,11 @@ class HeardMalfunctions:
         return self._broken.burns(lamp)
 
     def _take(self, message: Malfunctions) -> None:
-        self._broken = broken_of(message)
+        broken = broken_of(message)
+        for camera, flaws in broken.flaws.items():
+            if flaws.frozen and not self.flaws(camera).frozen:
+                self._freezes[camera] = self.freezes(camera) + 1
+        self._broken = broken
 
 
 def _with(flaws: Flaws, each: Any) -> Flaws:

@@ -80,6 +80,10 @@ class RobotCameras:
         """What is wrong with a camera."""
         return self._malfunctions.flaws(stream.name)
 
+    def freezes(self, stream: CameraStream) -> int:
+        """How often a camera has frozen."""
+        return self._malfunctions.freezes(stream.name)
+
     def levels(self) -> Dict[str, float]:
         """Level of each lamp, 0 (off) to 1, by its name in the scene."""
         levels = self._switches.levels(self._malfunctions.burns)
