@@ -128,6 +128,89 @@ async def test_an_instructor_has_no_line_and_his_hand_over_calls_commands_back()
     assert (E_STOP, Bool(True)) in delayed.bench.ros.published
 
 
+def _release_and_drive(client):
+    client.say("publish", topic=E_STOP, msg={"data": False})
+    client.say("publish", topic=DRIVE, msg=AHEAD)
+
+
+def _published(delayed):
+    return [
+        (topic, message.data if topic == E_STOP else message.linear.x)
+        for topic, message in delayed.bench.ros.published
+    ]
+
+
+@on_loop
+async def test_an_instructors_e_stop_calls_back_a_release_though_it_was_set_already():
+    delayed = Delayed()
+    client = await delayed.driver()
+    instructor = await delayed.driver(instructor=True)
+    delayed.begin()
+    client.say("publish", topic=E_STOP, msg={"data": True})
+    await delayed.go_to(0.5)
+    _release_and_drive(client)
+    client.say("publish", topic=E_STOP)  # what is left out is false
+    await delayed.go_to(0.7)
+    instructor.say("publish", topic=E_STOP, msg={"data": True})
+    await delayed.go_to(1.2)
+    assert _published(delayed) == [(E_STOP, True), (E_STOP, True)]
+    assert client.member.dropped == 3
+    client.say("publish", topic=E_STOP, msg={"data": False})
+    await delayed.go_to(1.8)
+    assert _published(delayed)[2:] == [(E_STOP, False)]
+
+
+@on_loop
+async def test_an_operators_e_stop_calls_back_what_others_sent_and_not_his_own_release():
+    delayed = Delayed()
+    client, other = await delayed.driver(), await delayed.driver()
+    delayed.begin()
+    _release_and_drive(client)
+    await delayed.go_to(0.3)
+    other.say("publish", topic=E_STOP, msg={"data": True})
+    await delayed.go_to(0.5)
+    _release_and_drive(client)
+    await delayed.go_to(1.1)
+    assert _published(delayed) == [(E_STOP, False), (DRIVE, 1.0), (E_STOP, True)]
+    assert client.member.dropped == 2
+    client.say("publish", topic=E_STOP, msg={"data": True})
+    _release_and_drive(client)
+    await delayed.go_to(1.6)
+    assert _published(delayed)[3:] == [(E_STOP, True), (E_STOP, False), (DRIVE, 1.0)]
+
+
+@on_loop
+async def test_an_e_stop_is_never_called_back_nor_does_another_topic_call_back():
+    delayed = Delayed()
+    client = await delayed.driver()
+    instructor = await delayed.driver(instructor=True)
+    delayed.begin()
+    _release_and_drive(client)
+    instructor.say("publish", topic="/rover/e_stop", type="std_msgs/Bool", msg={"data": True})
+    instructor.say("publish", topic=E_STOP, msg={"data": False})
+    await delayed.go_to(0.6)
+    assert [each for each in _published(delayed) if each[0] != "/rover/e_stop"] == [
+        *((E_STOP, False), (E_STOP, False), (DRIVE, 1.0))
+    ]
+    client.say("publish", topic=E_STOP, msg={"data": True})
+    instructor.say("publish", topic=E_STOP, msg={"data": True})
+    await delayed.go_to(1.2)
+    assert [value for topic, value in _published(delayed) if topic == E_STOP][-2:] == [True, True]
+    assert client.member.dropped == 0
+
+
+@on_loop
+async def test_no_release_gets_lost_on_a_bad_line():
+    delayed = Delayed(delay=0.0, loss=0.9)
+    client = await delayed.driver()
+    delayed.begin()
+    for _ in range(20):
+        client.say("publish", topic=E_STOP, msg={"data": False})
+    for moment in range(1, 4):
+        await delayed.go_to(moment)
+    assert _published(delayed) == [(E_STOP, False)] * 20
+
+
 @on_loop
 async def test_of_commands_some_get_lost_and_no_stop():
     delayed = Delayed(delay=0.0, loss=0.5)

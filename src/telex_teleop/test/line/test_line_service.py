@@ -23,7 +23,7 @@ from telex_teleop.web.line.profiles import LineSetting, Profiles
 from telex_teleop.web.rights import Rights
 from telex_teleop.web.workers import in_own_thread
 
-DRIVE = "/telex/track_teleop/cmd_vel"
+DRIVE, E_STOP = "/telex/track_teleop/cmd_vel", "/telex/e_stop"
 RADIO, STATUS = "/telex/sim/radio", "/telex/sim/status"
 
 
@@ -160,6 +160,32 @@ async def test_reset_and_e_stop_call_commands_back():
         link.bench.ros.time = 101.0
         await asyncio.sleep(0.15)
         assert not [topic for topic, _ in link.bench.ros.published if topic == DRIVE]
+
+
+@on_loop
+async def test_a_release_follows_the_stop_of_the_same_client_and_no_reset():
+    async with served() as link:
+        client = Client(link.bench)
+        client.say("advertise", topic=DRIVE, type=TWIST)
+        client.say("advertise", topic=E_STOP, type="std_msgs/Bool")
+        await link.bench.settle()
+        await link.call("300")
+        watch = link.bench.ros.receivers[STATUS]
+        watch(SimStatus(e_stop=False), None)
+        for data in (True, False):
+            client.say("publish", topic=E_STOP, msg={"data": data})
+        client.say("publish", topic=DRIVE, msg={"linear": {"x": 1.0}})
+        watch(SimStatus(e_stop=True), None)
+        await wait_until_async(lambda: client.member.dropped == 1, timeout=2.0)
+        link.bench.ros.time = 101.0
+        await wait_until_async(lambda: len(link.bench.ros.published) == 2, timeout=2.0)
+        assert [message.data for _, message in link.bench.ros.published] == [True, False]
+        client.say("publish", topic=E_STOP, msg={"data": False})
+        watch(SimStatus(resets=1, e_stop=True), None)
+        await wait_until_async(lambda: client.member.dropped == 2, timeout=2.0)
+        link.bench.ros.time = 102.0
+        await asyncio.sleep(0.15)
+        assert len(link.bench.ros.published) == 2
 
 
 def test_the_line_is_set_by_instructors_alone_and_without_control():

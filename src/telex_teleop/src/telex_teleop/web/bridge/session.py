@@ -192,12 +192,14 @@ class ClientSession:
     def _send(self, operation: Operation, size: int) -> None:
         """Let an operation pass the line."""
         publishes = operation.op == "publish"
+        releases = publishes and self._publications.releases_e_stop(operation)
         commands = (publishes and self._publications.commands(operation)) or (
             operation.op == "call_service" and self._calls.commands(operation)
         )
         sent = Sent(
             functools.partial(self._arrive, operation),
-            functools.partial(self._called_back, operation) if commands else None,
+            functools.partial(self._called_back, operation) if commands or releases else None,
+            releases,
         )
         self._uplink.send(
             sent, size, may_be_lost=publishes and commands and self._publications.moves(operation)

@@ -22,15 +22,21 @@ class Sent:
         Called when it has passed the line.
     lost
         Called with the reason instead if it is called back; None: it is not, whatever happens.
+    releases
+        Whether it releases the emergency stop.
     """
 
-    __slots__ = ("arrive", "lost")
+    __slots__ = ("arrive", "lost", "releases")
 
     def __init__(
-        self, arrive: Callable[[], None], lost: Optional[Callable[[str], None]] = None
+        self,
+        arrive: Callable[[], None],
+        lost: Optional[Callable[[str], None]] = None,
+        releases: bool = False,
     ) -> None:
         self.arrive = arrive
         self.lost = lost
+        self.releases = releases
 
 
 class Uplink:
@@ -70,11 +76,19 @@ class Uplink:
         self._pump.run()
         return kept
 
-    def call_back(self, reason: str) -> None:
-        """Lose the commands under way; what else the client has sent goes on."""
+    def call_back(self, reason: str, releases: bool) -> None:
+        """Lose the commands under way; what else the client has sent goes on.
+
+        Parameters
+        ----------
+        releases
+            Whether releases of the emergency stop are lost as well.
+        """
         if self._line is None:
             return
-        for sent in self._queue.drop(lambda each: each.lost is not None):
+        for sent in self._queue.drop(
+            lambda each: each.lost is not None and (releases or not each.releases)
+        ):
             assert sent.lost is not None
             sent.lost(reason)
         self._emptier.set()

@@ -39,7 +39,8 @@ class Member:
     stop
         Ends all motion that it commands.
     call_back
-        Loses its commands under way, with the reason.
+        Loses its commands under way, with the reason, and whether releases of the emergency stop
+        are lost as well.
     review
         Ends what it may not use any more.
     """
@@ -51,7 +52,7 @@ class Member:
     name: str = ""
     dropped: int = 0
     stop: Callable[[], None] = lambda: None
-    call_back: Callable[[str], None] = lambda reason: None
+    call_back: Callable[[str, bool], None] = lambda reason, releases: None
     review: Callable[[], None] = lambda: None
 
     @property
@@ -154,15 +155,31 @@ class Control:
         """Note that a command of a client was not obeyed."""
         member.dropped += 1
 
-    def call_back(self, reason: str) -> None:
-        """Lose all commands that are under way to the robot."""
+    def call_back(self, reason: str, *, releases: bool = True) -> None:
+        """Lose all commands that are under way to the robot.
+
+        Parameters
+        ----------
+        releases
+            Whether releases of the emergency stop are lost as well.
+        """
         for member in self._members:
-            member.call_back(reason)
+            member.call_back(reason, releases)
+
+    def note_e_stop(self, member: Member) -> None:
+        """Lose what the others have under way when a client sets the emergency stop.
+
+        They sent it before they could know of that. The client's own release, sent after its
+        stop, is still wanted.
+        """
+        for other in self._members:
+            if other is not member:
+                other.call_back(f"{member.shown} set the emergency stop", True)
 
     def _withdraw(self, instructor: Member) -> None:
         """Lose the commands under way of the client from which an instructor takes control."""
         if self.holder is not None:
-            self.holder.call_back(f"{instructor.shown} took control")
+            self.holder.call_back(f"{instructor.shown} took control", True)
 
     def _give(self, member: Optional[Member]) -> None:
         if self.holder is not None:

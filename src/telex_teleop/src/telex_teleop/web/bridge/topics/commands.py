@@ -266,7 +266,11 @@ class CommandGate:
             raise
 
     def _admit_e_stop(self, message: Any, age: Optional[float]) -> bool:
-        if message.data or self._member.instructor:
+        if message.data:
+            # Now: where it was set already, nothing in sim/status tells of it.
+            self._control.note_e_stop(self._member)
+            return True
+        if self._member.instructor:
             return True
         try:
             self._check_age(age)

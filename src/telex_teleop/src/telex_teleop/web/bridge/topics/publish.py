@@ -8,6 +8,7 @@ import functools
 from typing import Callable, Deque, Dict, List, Optional, Set
 
 import genpy
+from std_msgs.msg import Bool
 
 from ...server_config import RosbridgeConfig
 from ..clients.client import Client
@@ -307,6 +308,16 @@ class Publications:
         topic = self._ros.resolve(operation.text("topic"))
         access = self._client.access
         return topic != access.e_stop_topic and access.is_command("publish", topic)
+
+    def releases_e_stop(self, operation: Operation) -> bool:
+        """Tell whether an operation `publish` releases the emergency stop."""
+        try:
+            if self._ros.resolve(operation.text("topic")) != self._client.access.e_stop_topic:
+                return False
+            message = codec_of(Bool).from_json(operation.get("msg") or {}, self._ros.now)
+        except (FieldError, OperationError):
+            return False  # which the client is told when it has arrived
+        return not message.data
 
     def unadvertise(self, operation: Operation) -> None:
         """Publish a topic no more; what the client drove by it stops."""
