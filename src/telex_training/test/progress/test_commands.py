@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+from pathlib import Path
 
 import pytest
 from recorded_trials import record
@@ -67,6 +68,30 @@ def test_exports_stand_where_they_are_forgotten_with_the_person(run):
     assert [path.name for path in (run.folder / "exports").iterdir()] == ["bob.html"]
     assert run("list").out.startswith("bob: 1 trial")
     assert "ann" not in run("csv", "-o", "-").out
+
+
+def test_each_person_has_a_report_whatever_the_letters_of_the_name(run):
+    names = ("李雷", "韩梅梅", "nobody", "Zoë", "Zo")
+    for second, name in enumerate(names):
+        record(run.folder, name, stamp=f"2026-03-01_10150{second}")
+    made = [Path(run("report", name).out.rstrip()) for name in names]
+    assert len(set(made)) == len(names)
+    assert [made[2].name, made[4].name] == ["nobody.html", "Zo.html"]
+    for name, path in zip(names, made):
+        assert f"<h1>{name}</h1>" in path.read_text()
+    said = run("forget", "李雷", "--remove", of=people)
+    assert f"export removed: {made[0]}\n" in said.out
+    assert [path.exists() for path in made] == [False, True, True, True, True]
+
+
+def test_an_export_that_cannot_be_written_leaves_the_one_before(run, monkeypatch):
+    run("csv")
+    before = (run.folder / "exports" / "trials.csv").read_bytes()
+    monkeypatch.setattr(progress, "trials_csv", lambda _: "all but the end \ud800")
+    with pytest.raises(UnicodeEncodeError):
+        run("csv")
+    assert [path.name for path in (run.folder / "exports").iterdir()] == ["trials.csv"]
+    assert (run.folder / "exports" / "trials.csv").read_bytes() == before
 
 
 def test_a_table_has_one_end_of_line(run):

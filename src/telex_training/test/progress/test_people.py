@@ -186,6 +186,21 @@ class TestForget:
         assert trial.raw_workload == 35.0
         assert trial == read_trial(path, verify=True)
 
+    @pytest.mark.parametrize("pseudonym", ["", "person-1"])
+    def test_names_that_are_spelt_alike_are_told_apart(self, index, pseudonym):
+        record(index.folder, "李雷")
+        record(index.folder, "韩梅梅", stamp="2026-03-05_080000")
+        record(index.folder, "nobody", stamp="2026-03-06_080000")
+        exports = index.folder / EXPORTS
+        exports.mkdir()
+        index.refresh()
+        for name in ("李雷", "韩梅梅", "nobody"):
+            (exports / f"{name}.csv").write_text(trials_csv(index.trials(name)))
+        assert forget(index, "李雷", pseudonym).exports == [exports / "李雷.csv"]
+        # Hers has it in the name of her trial; it can be made anew.
+        forgotten = forget(index, "nobody", pseudonym).exports
+        assert sorted(forgotten) == sorted(exports / f"{name}.csv" for name in ("nobody", "韩梅梅"))
+
     def test_others_keep_their_trials(self, index, judged):
         path = judged(index.folder)
         done = forget(index, "bob")

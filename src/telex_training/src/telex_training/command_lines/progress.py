@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
+import hashlib
 import sys
 import time
 from pathlib import Path
@@ -230,13 +232,19 @@ def _report(index: ProgressIndex, options: argparse.Namespace) -> int:
     if len(options.people) == 1:
         name = options.people[0]
         text = person_report(name, _trials(index, name), courses, now)
-        return _write(index, options.output, f"{safe_name(name)}.html", text)
+        return _write(index, options.output, f"{_file_name(name)}.html", text)
     names = options.people or [person.name for person in index.people()]
     if not names:
         raise CommandError(f"{index.folder}: there are no trials to report of")
     people: Dict[str, Sequence[TrialFacts]] = {name: _trials(index, name) for name in names}
     text = class_report(people, courses, now, options.title)
     return _write(index, options.output, "class.html", text)
+
+
+def _file_name(name: str) -> str:
+    """Name of a person's report: of two whose names are spelt alike, each has one."""
+    spelt = safe_name(name)
+    return spelt if spelt == name else f"{spelt}-{hashlib.sha256(name.encode()).hexdigest()[:8]}"
 
 
 def _compare(index: ProgressIndex, options: argparse.Namespace) -> int:
@@ -279,10 +287,17 @@ def _write(index: ProgressIndex, output: Optional[str], name: str, text: str) ->
     if output == "-":
         sys.stdout.write(text)
         return 0
-    path = Path(output) if output else index.folder / EXPORTS / name
-    if not output:
+    path = draft = Path(output or index.folder / EXPORTS / name)
+    if not output:  # which may name a pipe
         path.parent.mkdir(mode=0o700, exist_ok=True)
-    with path.open("w", encoding="utf-8", newline="") as file:
-        file.write(text)
+        draft = path.with_name(f".{path.name}.draft")
+    try:
+        with draft.open("w", encoding="utf-8", newline="") as file:
+            file.write(text)
+        draft.replace(path)
+    finally:
+        if draft != path:
+            with contextlib.suppress(OSError):
+                draft.unlink()
     print(path)
     return 0

@@ -25,7 +25,16 @@ from ..judging.sheet import sheet_text
 from .amending import alone
 from .reader import Recording, is_being_written, read_recording
 from .signature import SIGNATURE, sealing_again
-from .trial_file import SHEET, SUFFIX, TRIAL, judged, safe_name, serialised_input, sheet_attachment
+from .trial_file import (
+    NAMELESS,
+    SHEET,
+    SUFFIX,
+    TRIAL,
+    judged,
+    safe_name,
+    serialised_input,
+    sheet_attachment,
+)
 from .writer import Attachment, RecordingError, RecordingWriter, Seal
 
 MARK = "pseudonymised.json"
@@ -262,7 +271,9 @@ def _left(made: Recording, ending: Dict[str, Attachment], name: str) -> List[str
 
 def spellings(name: str) -> List[str]:
     """How a name may stand in files: as it is, in JSON, HTML, CSV, and in a trial's name."""
-    spelt = {name, json.dumps(name)[1:-1], escape(name), name.replace('"', '""'), safe_name(name)}
+    spelt = {name, json.dumps(name)[1:-1], escape(name), name.replace('"', '""')}
+    if safe_name(name) != NAMELESS:  # which other names are spelt as, too
+        spelt.add(safe_name(name))
     return sorted(spelt)
 
 

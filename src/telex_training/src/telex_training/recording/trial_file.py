@@ -33,6 +33,8 @@ FOLDER = "~/.ros/telex_training"
 """Of the recordings, where nobody says otherwise."""
 EXPERTS = "experts"
 """Folder beside people's recordings with those of experts."""
+NAMELESS = "nobody"
+"""How a name is spelt that has no letter which a trial's name can have."""
 _YAML, _XML, _JSON = "text/yaml", "text/xml", "application/json"
 _UNSAFE = re.compile(r"[^A-Za-z0-9_-]+")
 
@@ -60,7 +62,7 @@ class Trial:
 
 def safe_name(name: str) -> str:
     """Spell a name, of a person or an exercise, as a trial's name and its file's can have it."""
-    return _UNSAFE.sub("-", name).strip("-") or "nobody"
+    return _UNSAFE.sub("-", name).strip("-") or NAMELESS
 
 
 def expert_path(folder: Path, exercise: str, setting: str) -> Path:
