@@ -90,7 +90,7 @@ class CameraSensor:
             RGBA, shape (pinhole.height, pinhole.width, 4), uint8, one for each of `moments`; one
             alone may be written to.
         repeated
-            Whether they are what the view before had shown: nothing has moved.
+            Whether they are what this sensor's last ones were: nothing has moved.
         ev
             The exposure that `expose` chose, with which they were taken.
         stamp

@@ -91,6 +91,8 @@ class CamerasNode:
         self._robots = {stream: robot for robot in robots for stream in robot.streams}
         self._lit = robots
         self._frozen: Dict[CameraStream, _Frozen] = {}
+        # What took each camera's last picture.
+        self._last: Dict[CameraStream, CameraSensor] = {}
         self._mirror = SceneMirror(
             self._renderer,
             [frame for robot in robots for frame in robot.frames],
@@ -300,7 +302,10 @@ class CamerasNode:
         received = robot.received(stream)
         exposed = (received.dose_rate, received.dose)
         flaws = robot.flaws(stream)
-        return sensor.develop(pictures, self._renderer.repeats, ev, stamp, exposed, flaws)
+        # The renderer may repeat what a sensor of the same view has shown, after this one's last.
+        before, self._last[stream] = self._last.get(stream), sensor
+        repeated = self._renderer.repeats and before is sensor
+        return sensor.develop(pictures, repeated, ev, stamp, exposed, flaws)
 
 
 def _further(namespace: str) -> RobotCameras:

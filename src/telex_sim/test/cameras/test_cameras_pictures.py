@@ -1,4 +1,4 @@
-"""What frozen cameras send, of a node whose renderer draws one grey, without a master."""
+"""What a node makes of its renderer's pictures, each of one grey, without a master."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from telex_msgs.msg import ActiveMalfunction, Malfunctions, SceneDescription, Sc
 
 from telex_control.common.params import read_config
 from telex_sim.cameras.cameras_config import CamerasConfig
+from telex_sim.cameras.drawing.kept_pictures import KeptPictures
 from telex_sim.cameras.ros.cameras_node import CamerasNode
 
 SIZE = (64, 48)
@@ -18,8 +19,16 @@ CAMERA = {"width": SIZE[0], "height": SIZE[1], "horizontal_fov": 1.2, "rate": 24
 PARAMS = {
     "cameras": {
         "front": {**CAMERA, "frame": "front", "preview": {"width": 32, "rate": 240.0}},
-        "rear": {**CAMERA, "width": 80, "height": 60, "frame": "rear"},
-    }
+        "rear": {
+            **CAMERA,
+            "width": 80,
+            "height": 60,
+            "frame": "rear",
+            "distortion": [-0.1, 0.02, 0.0, 0.0, 0.0],
+            "preview": {"width": 80, "rate": 240.0},
+        },
+    },
+    "shadow_period": 0.0,
 }
 PICTURE, DEPTH, PREVIEW = "image_raw", "depth", "preview/compressed"
 
@@ -68,6 +77,7 @@ class GreyRenderer:
     def __init__(self):
         self._size = None
         self._height = 0.0
+        self._kept = KeptPictures()
 
     def load_scene(self, scene):
         return []
@@ -77,10 +87,16 @@ class GreyRenderer:
 
     def place(self, frames_in_world, focus, recast=True):
         self._height = frames_in_world[0, 2, 3]
+        self._kept.place(frames_in_world, focus, recast)
 
     def render(self, camera, optical_in_world, exposure=1.0, coarse=False):
         self._size = (camera.height, camera.width)
-        return np.full((*self._size, 4), self._height, np.uint8)
+        picture = self._kept.find(camera, optical_in_world, exposure, coarse)
+        self.repeats = picture is not None
+        if not self.repeats:
+            picture = np.full((*self._size, 4), self._height, np.uint8)
+            self._kept.keep(camera, optical_in_world, exposure, picture, coarse)
+        return picture
 
     def depth(self, camera):
         if self._size != (camera.height, camera.width):
@@ -162,3 +178,10 @@ def test_it_stays_frozen_while_other_things_fail(stage):
     stage.look(10.0, FRONT)
     stage.freeze("rear", "front")
     assert stage.look(20.0, FRONT, REAR) == [10.0, 20.0]
+
+
+def test_a_picture_is_of_now_where_a_preview_of_its_size_was_taken_before(stage):
+    assert stage.look(10.0, REAR) == [10.0]
+    # Both are of one view: the renderer gives the one picture again for the other.
+    stage.look(20.0, f"rear/{PREVIEW}")
+    assert stage.look(20.0, REAR) == [20.0]
