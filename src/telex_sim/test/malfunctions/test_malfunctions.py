@@ -260,6 +260,16 @@ def test_the_range_follows_what_the_robot_takes_per_metre():
     assert reach.of(0.0) == 0.0
 
 
+def test_a_robot_that_takes_nothing_has_a_range_all_the_same():
+    config = BatteryConfig(base_power=0.0, averaging_way=1.0)
+    reach = Reach(config)
+    for second in range(3):
+        reach.be_at((2.0 * second, 0.0, 0.0), 0.0, float(second))
+    assert math.isfinite(reach.of(1.0))
+    assert reach.of(1.0) > Reach(config).of(1.0)
+    assert math.isfinite(Reach(BatteryConfig(consumption=1e-320)).of(1.0))
+
+
 def test_driving_tells_how_far_the_charge_lasts(bench):
     bench.begin("battery", "low", 0.5)
     shipped = bench.body.config.battery
@@ -389,6 +399,31 @@ def test_a_bookmark_has_those_that_there_were(bench):
     assert bench.malfunctions.active[0].since > since
     assert bench.malfunctions.charge().share == share
     assert bench.hw.drive(SHOULDER).stands
+
+
+def reach_at(bench, place, power, time):
+    """What is told of the range with the robot at a place (m), while it takes a power (W)."""
+    bench.body.body.base_pose = lambda: ((*place, 0.0), (0.0, 0.0, 0.0, 1.0))
+    bench.malfunctions._power = lambda: power
+    try:
+        return bench.malfunctions.reach(time)
+    finally:
+        del bench.body.body.base_pose, bench.malfunctions._power
+
+
+def test_a_reset_and_a_bookmark_put_the_range_back(bench):
+    shipped = reach_at(bench, (0.0, 0.0), 400.0, 0.0)
+    told = [reach_at(bench, (float(second), 0.0), 400.0, second) for second in range(1, 60)]
+    assert told[-1] > shipped
+    bookmarks = Bookmarks(bench.simulation)
+    bookmarks.save("driven")
+    for second in range(60, 90):
+        assert reach_at(bench, (1.0 * second, 0.0), 5000.0, second) < told[-1]
+    bookmarks.restore("driven")
+    # From where it was: that it was put there is no way.
+    assert reach_at(bench, (59.0, 0.0), 5000.0, 90.0) == told[-1]
+    bench.simulation.reset()
+    assert reach_at(bench, (58.0, 0.0), 5000.0, 91.0) == shipped
 
 
 def calls_of_a_step(bench):

@@ -14,6 +14,8 @@ from ..robot.drives import JointDrive
 _HOUR = 3600.0
 _SLOWEST, _FASTEST = 0.02, 5.0
 """Speeds (m/s) of driving: what is slower stands, and what is faster was put there."""
+_LEAST_CONSUMPTION = 1e-3
+"""Of a robot that moves (J/m), where what it takes is not reckoned with or too little to tell."""
 DRIVES, LAMPS, CAMERAS = "drives", "lamps", "cameras"
 """What an empty battery feeds no longer."""
 
@@ -106,8 +108,11 @@ def charge_of(config: BatteryConfig, share: float, power: float) -> Charge:
     return Charge(share, voltage, power / voltage, config.energy / middle)
 
 
-class Reach:
+class Reach(Stateful):
     """How far a charge lasts, by what the robot has taken for each metre of late."""
+
+    SAVED = ("_consumption", "_place")
+    SAVED_TIMES = ("_time",)
 
     def __init__(self, config: BatteryConfig) -> None:
         self._config = config
@@ -128,7 +133,7 @@ class Reach:
 
     def of(self, share: float) -> float:
         """Way (m) that a share of a full charge is enough for."""
-        return share * self._config.energy * _HOUR / self._consumption
+        return share * self._config.energy * _HOUR / max(self._consumption, _LEAST_CONSUMPTION)
 
 
 class Battery(Stateful):

@@ -197,7 +197,7 @@ class Malfunctions(Stateful):
         """End all, before the robot is put to its start."""
         if self.active:
             self.changes += 1
-        self.active, self.battery, self._unpowered = (), None, ()
+        self.active, self.battery, self._reach, self._unpowered = (), None, None, ()
         self._impairments, self._faults = {}, {}
         self._robot.hw.mend()
 
@@ -258,16 +258,21 @@ class Malfunctions(Stateful):
 
     def save_state(self) -> Any:
         """Return the present state; see `Stateful.save_state`."""
-        battery = self.battery
-        return self.active, None if battery is None else battery.save_state()
+        battery, reach = (
+            None if part is None else part.save_state() for part in (self.battery, self._reach)
+        )
+        return self.active, battery, reach
 
     def restore_state(self, saved: Any, elapsed: float) -> None:
         """Take a state up again; see `Stateful.restore_state`."""
-        active, battery = saved
-        self.battery = None
+        active, battery, reach = saved
+        self.battery = self._reach = None
         if battery is not None:
             self.battery = Battery(self._fed_by, 1.0)
             self.battery.restore_state(battery, elapsed)
+        if reach is not None:
+            self._reach = Reach(self._fed_by)
+            self._reach.restore_state(reach, elapsed)
         self._repower()
         self._set(tuple(each._replace(since=each.since + elapsed) for each in active))
 
