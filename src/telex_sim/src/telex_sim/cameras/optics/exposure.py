@@ -99,7 +99,8 @@ class ExposureControl:
             RGBA, shape (height, width, 4), uint8, without noise.
         """
         # Green carries most of the brightness.
-        sample = picture[_METERED // 2 :: _METERED, _METERED // 2 :: _METERED, 1]
+        top, left = (min(_METERED // 2, side - 1) for side in picture.shape[:2])
+        sample = picture[top::_METERED, left::_METERED, 1]
         light = max(float(_LIGHT[sample].mean()), _DARKEST**2)
         self._wanted_ev = self._ev + math.log2(_AIM / light)
 
