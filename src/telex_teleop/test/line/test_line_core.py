@@ -46,6 +46,7 @@ def taken(queue, now):
         ("{bandwidth: .inf}", "finite"),
         ("{outage_every: 5}", "outage_for is 0.0"),
         ("{burst_length: 5, burst_interval: 1}", "must not be longer"),
+        ("{burst_length: 1.0e-9, burst_interval: 1.0e-9}", "0 (no bursts) or at least 0.01 s"),
         ("{speed: 5}", "speed is unknown; known are bandwidth"),
         ("[1]", "a mapping is needed"),
         ("5", "a mapping is needed"),
@@ -115,12 +116,25 @@ def test_figures_follow_the_signal():
     [
         ((SignalPoint(0.0),), "two at least"),
         ((SignalPoint(0.5), SignalPoint(0.5)), "must rise"),
-        ((SignalPoint(0.0, LineFields(bandwidth=5000.0)), SignalPoint(0.5)), "with and without"),
+        (
+            (SignalPoint(0.0, LineFields(bandwidth=5000.0)), SignalPoint(0.5)),
+            "with and without a bandwidth",
+        ),
+        (
+            (SignalPoint(0.0, LineFields(burst_length=1.0, burst_interval=5.0)), SignalPoint(0.5)),
+            "with and without a burst_interval",
+        ),
     ],
 )
 def test_a_curve_that_cannot_be_is_refused(points, part):
     with pytest.raises(ConfigError, match=part):
         SignalCurve(points)
+
+
+def test_figures_between_two_of_the_least_are_the_least():
+    least = LineFields(burst_length=0.01, burst_interval=0.01, bandwidth=1000.0)
+    curve = SignalCurve((SignalPoint(0.0, least), SignalPoint(1.0, least)))
+    assert all(curve.at(step / 1000.0) == least for step in range(1000))
 
 
 # Messages
@@ -197,6 +211,23 @@ def test_bursts_lose_their_share():
     first = lost.index(True)
     assert not all(lost[first : first + 60])
     assert sum(lost[first : first + 50]) >= 49
+
+
+def test_bursts_of_a_long_time_without_traffic_are_not_drawn():
+    class Counted(random.Random):
+        drawn = 0
+
+        def random(self):
+            Counted.drawn += 1
+            return super().random()
+
+    line = Line(Counted(1))
+    line.configure(LineFields(burst_length=0.001, burst_interval=0.01), 0.0)
+    lost = [line.loses(1e6 + 0.001 * step) for step in range(10_000)]
+    assert 0.05 < sum(lost) / len(lost) < 0.2
+    assert Counted.drawn < 3000
+    line.configure(LineFields(burst_length=0.01, burst_interval=0.01), 2e6)
+    assert line.loses(3e6)
 
 
 def test_a_cap_spreads_messages():

@@ -14,6 +14,10 @@ LONGEST_DELAY = 10.0
 LEAST_BANDWIDTH = 1000.0
 """Smallest cap (bit/s): below it a single picture would take minutes."""
 
+LEAST_BURST_INTERVAL = 0.01
+"""Shortest mean time (s) between bursts: shorter than what passes the line is apart, and each of
+them is drawn."""
+
 LONGEST_TIME = 3600.0
 """Longest time (s) of and between bursts and outages."""
 
@@ -45,7 +49,9 @@ class LineFields(Declared):
     burst_length: float = number(
         0.0, "Time (s) for which everything is lost, at random; 0: never.", 0.0, LONGEST_TIME
     )
-    burst_interval: float = number(0.0, "Mean time (s) between bursts.", 0.0, LONGEST_TIME)
+    burst_interval: float = number(
+        0.0, "Mean time (s) between bursts, 0.01 at least; 0: there are none.", 0.0, LONGEST_TIME
+    )
     bandwidth: float = number(
         0.0, "Cap (bit/s) of each connection, each way; 0: there is none.", 0.0, 1e12
     )
@@ -62,6 +68,11 @@ class LineFields(Declared):
             self.bandwidth == 0.0 or self.bandwidth >= LEAST_BANDWIDTH,
             f"bandwidth is {self.bandwidth!r}; it must be 0 (no cap) or at least "
             f"{LEAST_BANDWIDTH:g} bit/s",
+        )
+        require(
+            self.burst_interval == 0.0 or self.burst_interval >= LEAST_BURST_INTERVAL,
+            f"burst_interval is {self.burst_interval!r}; it must be 0 (no bursts) or at least "
+            f"{LEAST_BURST_INTERVAL:g} s",
         )
         self._require_pair("burst", "burst_length", "burst_interval")
         self._require_pair("outage", "outage_for", "outage_every")

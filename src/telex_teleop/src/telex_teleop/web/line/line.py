@@ -10,6 +10,9 @@ from .fields import PERFECT, LineFields
 RETRANSMISSION = 0.1
 """Time (s) after which what must arrive is sent again when it got lost."""
 
+MOST_BURSTS = 1000
+"""Bursts that are drawn to come to the present; those of a longer time without traffic are not."""
+
 MOST_RETRANSMISSIONS = 10
 """So often it gets lost at most, so that nothing that must arrive takes for ever."""
 
@@ -101,6 +104,8 @@ class Line:
         if self.fields.burst_interval == 0.0:
             return now
         begin, end = self._burst
+        if now - end > MOST_BURSTS * self.fields.burst_interval:
+            end = now
         # A burst lies within the mean distance to the next, so the rest is drawn.
         pause = self.fields.burst_interval - self.fields.burst_length
         while end <= now:

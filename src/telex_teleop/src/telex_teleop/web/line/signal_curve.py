@@ -31,7 +31,8 @@ class SignalCurve:
     Raises
     ------
     telex_control.common.params.ConfigError
-        There are fewer than two, or they do not rise, or some have a bandwidth and some none.
+        There are fewer than two, or they do not rise, or some have a bandwidth or bursts and some
+        none.
     """
 
     points: Tuple[SignalPoint, ...]
@@ -41,12 +42,13 @@ class SignalCurve:
         require(len(signals) >= 2, f"by_signal has {len(signals)} points; two at least are needed")
         rising = all(one < next_one for one, next_one in zip(signals, signals[1:]))
         require(rising, f"by_signal has the signals {signals}; they must rise from point to point")
-        capped = {point.fields.bandwidth > 0.0 for point in self.points}
-        require(
-            len(capped) == 1,
-            "by_signal has points with and without a bandwidth; between them there is no cap to "
-            "compute: give it in all of them, or in none",
-        )
+        for key in ("bandwidth", "burst_interval"):
+            given = {getattr(point.fields, key) > 0.0 for point in self.points}
+            require(
+                len(given) == 1,
+                f"by_signal has points with and without a {key}; between them there is none to "
+                "compute: give it in all of them, or in none",
+            )
 
     def at(self, signal: float) -> LineFields:
         """Return the figures at a quality of the signal, 0 to 1."""
@@ -62,4 +64,5 @@ class SignalCurve:
 
 def _between(below: LineFields, above: LineFields, share: float) -> LineFields:
     low, high = dataclasses.asdict(below), dataclasses.asdict(above)
-    return LineFields(**{key: (1.0 - share) * low[key] + share * high[key] for key in low})
+    # In this form between two that are equal nothing is less than they are, by rounding.
+    return LineFields(**{key: low[key] + share * (high[key] - low[key]) for key in low})
