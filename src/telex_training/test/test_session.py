@@ -8,6 +8,7 @@ import time
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
+from unittest import mock
 
 import pytest
 import rospy
@@ -596,6 +597,41 @@ def test_an_exercise_for_more_robots_than_there_are_is_refused(station):
     wrong = "beam.yaml: robots: the exercise is for 2 robots, and the station has 1; .*robots:=2"
     with pytest.raises(ExerciseError, match=wrong):
         station().open(find_exercise("beam"), "", "", "ann")
+
+
+@pytest.fixture
+def opening(station, monkeypatch, session, simulator):
+    """A training node at which an exercise is open, and which can open another."""
+    node = station()
+    node._lock, node._session, node._apparatus = threading.RLock(), session, simulator
+    node._folder, node._settings = Path(), SimpleNamespace(recorded=[])
+    node._wanted, node._asked_for_help = threading.Event(), 1.0
+    node._texts = mock.Mock()
+    monkeypatch.setattr(training_node, "about_robot", lambda _: {"urdf": "", "urdfs": {}})
+    monkeypatch.setattr(training_node, "_require_robot", lambda *_: None)
+    return node
+
+
+def test_what_cannot_be_opened_leaves_the_exercise_that_is_open(opening, monkeypatch, session):
+    def refuse(*_):
+        raise ExerciseError("slalom.yaml: the scene cannot be made")
+
+    monkeypatch.setattr(training_node, "Session", refuse)
+    with pytest.raises(ExerciseError, match="cannot be made"):
+        opening.open(find_exercise("slalom"), "", "", "bob")
+    assert opening._session is session
+    assert opening._asked_for_help == 1.0
+    opening._texts.clear.assert_not_called()
+    session.start()
+    wait(session, "waiting")
+
+
+def test_what_is_opened_knows_nothing_of_who_was_there_before(opening, session):
+    opened = opening.open(find_exercise("slalom"), "", "", "bob")
+    assert opening._session is opened
+    assert opening._asked_for_help is None
+    opening._texts.clear.assert_called_once_with()
+    assert session._left
 
 
 def test_a_teams_pages_show_its_trial_and_others_do_not(station):

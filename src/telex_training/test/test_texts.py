@@ -21,12 +21,13 @@ def desk():
     rospy.Publisher.return_value.publish = published.append
     rospy.get_rostime.return_value = genpy.Time(7)
     with mock.patch.object(module, "rospy", rospy):
-        TraineeTexts(noted.append, lambda: "Ann")
+        texts = TraineeTexts(noted.append, lambda: "Ann")
         yield SimpleNamespace(
             tell=lambda text, by="Bob": services["training/tell"](
                 SimpleNamespace(text=text, by=by)
             ),
             read=lambda number: services["training/read"](SimpleNamespace(number=number)),
+            clear=texts.clear,
             published=published,
             noted=noted,
         )
@@ -58,6 +59,22 @@ def test_a_text_that_is_taken_back_needs_no_acknowledgement(desk):
             False,
             f"number is {number}; the text that is shown has 2",
         )
+
+
+def test_the_next_trainee_is_shown_nothing_of_the_one_before(desk):
+    desk.clear()
+    assert desk.published == [], "where nothing was said"
+    desk.tell("Ann, stop")
+    noted = list(desk.noted)
+    desk.clear()
+    desk.clear()
+    assert len(desk.published) == 2
+    shown = desk.published[-1]
+    assert (shown.number, shown.text, shown.by, shown.read) == (2, "", "", True)
+    assert desk.noted == noted, "it is no act of anybody in a trial"
+    assert not desk.read(1).success
+    assert desk.tell("Bob, go").number == 3
+    assert not desk.published[-1].read
 
 
 @pytest.mark.parametrize("text", ["x" * (LONGEST + 1), "two\nlines", "turned \u202e round", "\x00"])

@@ -35,6 +35,12 @@ class TraineeTexts:
             rospy.Service("training/read", ReadText, self._on_read),
         ]
 
+    def clear(self) -> None:
+        """Show no text any more: what comes is for another trainee."""
+        with self._lock:
+            if self._text.text:
+                self._publish(TrainingText(number=self._text.number + 1, read=True))
+
     def _on_tell(self, request: Any) -> TellTraineeResponse:
         text, by = request.text.strip(), request.by.strip()[:_LONGEST_NAME] or "instructor"
         if len(text) > LONGEST or not text.isprintable():

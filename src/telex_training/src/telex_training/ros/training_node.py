@@ -109,6 +109,7 @@ class TrainingNode:
         )
         self.pages.briefs.opened = self._opened
         self.pages.briefs.texts = self._own_texts
+        self._texts = TraineeTexts(self._note_said, lambda: self._holder_name)
         acts: Dict[str, Tuple[Any, Act]] = {
             "training/open": (OpenExercise, self._on_open),
             "training/start": (Trigger, lambda _: self._trigger(self._start)),
@@ -132,7 +133,6 @@ class TrainingNode:
             for robot in self._robots
             for name, (kind, answer) in services.items()
         ]
-        self._texts = TraineeTexts(self._note_said, lambda: self._holder_name)
         self._publish_state()
 
     # --- services --------------------------------------------------------------------------------
@@ -253,9 +253,7 @@ class TrainingNode:
             _require_robot(exercise, urdf, self._apparatus, name, others[name])
         with self._lock:
             self._refuse_second()
-            if self._session is not None:
-                self._session.leave()
-                self._session.wait_closed()
+            # The one before is left once there is another: this one may be refused.
             session = Session(
                 file,
                 exercise,
@@ -271,7 +269,11 @@ class TrainingNode:
                 self._show,
                 others,
             )
+            if self._session is not None:
+                self._session.leave()
+                self._session.wait_closed()
             self._session, self._asked_for_help = session, None
+            self._texts.clear()
         if mode == PRACTICE:
             session.load()
         self._wanted.set()
