@@ -5,7 +5,10 @@ from __future__ import annotations
 import pytest
 from telex_msgs.msg import LinkState
 
+from telex_training.exercises.model import LINK_FIELDS
 from telex_training.ros.apparatus import Apparatus, ApparatusError
+
+PERFECT = dict.fromkeys(LINK_FIELDS, 0.0)
 
 
 @pytest.fixture
@@ -19,9 +22,27 @@ def apparatus():
         if robot in made.gone:
             raise ApparatusError(f"link of {robot}")
         made.made.append((robot, profile))
+        made.figures = fields
 
     made._configure = configure
     return made
+
+
+@pytest.mark.parametrize(
+    ("before", "profile", "figures"),
+    [
+        (LinkState(profile="by_distance"), "by_distance", {}),
+        (LinkState(profile="by_distance", signal_known=True, delay=0.15), "by_distance", {}),
+        (LinkState(profile="300", delay=0.3), "300", {**PERFECT, "delay": 0.3}),
+        (LinkState(profile="fields", loss=0.2), "", {**PERFECT, "loss": 0.2}),
+        (LinkState(profile="lossy", perfect=True), "lossy", PERFECT),
+    ],
+)
+def test_a_line_that_follows_the_signal_follows_it_again(apparatus, before, profile, figures):
+    apparatus._links_before = {"": before}
+    apparatus.restore_line()
+    assert apparatus.made == [("", profile)]
+    assert apparatus.figures == figures
 
 
 def test_a_bridge_that_is_gone_keeps_nobody_else_on_a_bad_line(apparatus):

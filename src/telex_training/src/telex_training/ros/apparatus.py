@@ -127,11 +127,9 @@ class Apparatus:
         """
         failed = []
         for robot, before in list(self._links_before.items()):
-            # Of a line that follows the signal the figures are those of the moment.
-            figures = () if before.signal_known else LINK_FIELDS
             profile = "" if before.profile == "fields" else before.profile
             try:
-                self._configure(robot, profile, {key: getattr(before, key) for key in figures})
+                self._configure(robot, profile, _own_figures(before))
             except ApparatusError as error:
                 failed.append(str(error))
             else:
@@ -296,6 +294,14 @@ class Apparatus:
         """Hear no more."""
         for subscriber in self._subscribers:
             subscriber.unregister()
+
+
+def _own_figures(link: LinkState) -> Dict[str, float]:
+    """Figures of a line that stay as they are; of one that follows the signal there are none."""
+    figures = {key: float(getattr(link, key)) for key in LINK_FIELDS}
+    # While nobody has told the signal nothing impairs such a line, and yet it is not perfect.
+    follows = link.signal_known or not (link.perfect or any(figures.values()))
+    return {} if follows else figures
 
 
 def _of(robot: str, name: str) -> str:
