@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 
 import pytest
@@ -235,6 +236,31 @@ def test_a_cap_spreads_messages():
     for number in range(3):
         queue.send(number, 500, 0.0)
     assert [queue.next_due(0.0), taken(queue, 1.0), taken(queue, 1.5)] == [0.5, [0, 1], [2]]
+
+
+@pytest.mark.parametrize(
+    ("fields", "due"),
+    [
+        ({}, [0.8, 0.8, 0.8, 0.8]),  # in order, however short the way is now
+        ({"delay": 0.3, "bandwidth": 80_000.0}, [0.8, 0.95, 1.0, 1.05]),
+        ({"delay": 0.3, "bandwidth": 4000.0}, [0.8, 1.3, 1.8, 2.8]),
+        ({"delay": 0.1, "outage_every": 5.0, "outage_for": 5.0}, [0.8, 1.1, 1.6, math.inf]),
+    ],
+)
+def test_what_waits_for_a_cap_follows_the_next_one_and_comes_no_later(fields, due):
+    line = line_of(bandwidth=8000.0, delay=0.3)
+    queue = LineQueue(line)
+    for number in range(3):
+        queue.send(number, 500, 0.0)
+    for since in (0.59, 0.6):  # so a signal that changes time and again has it
+        line.configure(LineFields(**fields), since)
+        queue.next_due(0.6)
+    queue.send(3, 500, 0.6)
+    now = 0.6
+    for number, each in enumerate(due):
+        now = queue.next_due(now)
+        assert now == pytest.approx(each)
+        assert queue.take(now) == number
 
 
 def test_messages_can_be_dropped_under_way():

@@ -188,6 +188,28 @@ async def test_a_release_follows_the_stop_of_the_same_client_and_no_reset():
         assert len(link.bench.ros.published) == 2
 
 
+@on_loop
+async def test_a_reset_calls_back_what_was_under_way_when_the_line_became_perfect():
+    async with served() as link:
+        client = Client(link.bench)
+        client.say("advertise", topic=DRIVE, type=TWIST)
+        await link.bench.settle()
+        await link.call("1000")
+        watch = link.bench.ros.receivers[STATUS]
+        watch(SimStatus(resets=3), None)
+        client.say("publish", topic=DRIVE, msg={"linear": {"x": 1.0}})
+        await link.call("perfect")
+        assert ("unsubscribe", STATUS) not in link.bench.ros.events
+        watch(SimStatus(resets=4), None)
+        await wait_until_async(lambda: client.member.dropped == 1, timeout=2.0)
+        await wait_until_async(
+            lambda: ("unsubscribe", STATUS) in link.bench.ros.events, timeout=2.0
+        )
+        link.bench.ros.time = 101.5
+        await asyncio.sleep(0.15)
+        assert link.bench.ros.published == []
+
+
 def test_the_line_is_set_by_instructors_alone_and_without_control():
     rights = Rights.read()
     operator, instructor = (

@@ -168,6 +168,7 @@ class ClientSession:
         }
         member.stop = self._publications.stop
         member.call_back = self._uplink.call_back
+        member.has_under_way = lambda: not self._uplink.passes
         member.review = self._review
         control.join(member)
 

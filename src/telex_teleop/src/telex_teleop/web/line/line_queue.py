@@ -15,11 +15,12 @@ BACKWARDS = 1.0
 
 
 class _UnderWay(Generic[Item]):
-    __slots__ = ("due", "item", "size", "waits")
+    __slots__ = ("due", "item", "leaves", "size", "waits")
 
-    def __init__(self, item: Item, size: int, due: float, waits: bool) -> None:
+    def __init__(self, item: Item, size: int, leaves: float, due: float, waits: bool) -> None:
         self.item = item
         self.size = size
+        self.leaves = leaves
         self.due = due
         self.waits = waits
 
@@ -71,14 +72,20 @@ class LineQueue(Generic[Item]):
         return True
 
     def _append(self, item: Item, size: int, start: float, late: float, *, waits: bool) -> None:
-        bandwidth = self._line.fields.bandwidth
-        if bandwidth:
-            start = self._free = max(start, self._free) + 8.0 * size / bandwidth
-        due = start + self._line.draw_delay() + late
+        leaves = self._pass_cap(size, start)
+        due = leaves + self._line.draw_delay() + late
         if self._items:
             due = max(due, self._items[-1].due)
-        self._items.append(_UnderWay(item, size, due, waits))
+        self._items.append(_UnderWay(item, size, leaves, due, waits))
         self.bytes += size
+
+    def _pass_cap(self, size: int, start: float) -> float:
+        """Return when (s) a message that can be sent from a time on (s) is past the cap."""
+        bandwidth = self._line.fields.bandwidth
+        if not bandwidth:
+            return start
+        self._free = max(start, self._free) + 8.0 * size / bandwidth
+        return self._free
 
     def next_due(self, now: float) -> Optional[float]:
         """Return when (s) the next message arrives; None: nothing is under way."""
@@ -107,6 +114,7 @@ class LineQueue(Generic[Item]):
         if now < self._latest - BACKWARDS:
             back = self._latest - now
             for each in self._items:
+                each.leaves -= back
                 each.due -= back
             self._free -= back
         self._latest = now
@@ -115,12 +123,20 @@ class LineQueue(Generic[Item]):
             self._retime(now)
 
     def _retime(self, now: float) -> None:
-        """Let what waited for the end of an outage go if the line is up by its new figures."""
+        """Let what waited for the end of an outage, or for the cap, go by the line's new figures.
+
+        What has left already arrives as it would have, and nothing that waited for the cap later
+        than by the old figures: where they change time and again, it would never arrive.
+        """
         self._free = min(self._free, now)
         opens = self._line.reopens(now)
         last = -math.inf
         for each in self._items:
             if each.waits or each.due == math.inf:
                 each.waits = opens > now
+                each.leaves = opens
                 each.due = max(last, opens + self._line.draw_delay())
+            elif each.leaves > now:
+                self._free = each.leaves = min(each.leaves, self._pass_cap(each.size, opens))
+                each.due = min(each.due, each.leaves + self._line.draw_delay())
             each.due = last = max(last, each.due)

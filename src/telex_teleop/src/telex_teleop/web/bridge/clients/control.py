@@ -41,6 +41,8 @@ class Member:
     call_back
         Loses its commands under way, with the reason, and whether releases of the emergency stop
         are lost as well.
+    has_under_way
+        Tells whether anything that it has sent is under way.
     review
         Ends what it may not use any more.
     """
@@ -53,6 +55,7 @@ class Member:
     dropped: int = 0
     stop: Callable[[], None] = lambda: None
     call_back: Callable[[str, bool], None] = lambda reason, releases: None
+    has_under_way: Callable[[], bool] = lambda: False
     review: Callable[[], None] = lambda: None
 
     @property
@@ -165,6 +168,11 @@ class Control:
         """
         for member in self._members:
             member.call_back(reason, releases)
+
+    @property
+    def has_under_way(self) -> bool:
+        """Whether anything that a client has sent is under way."""
+        return any(member.has_under_way() for member in self._members)
 
     def note_e_stop(self, member: Member) -> None:
         """Lose what the others have under way when a client sets the emergency stop.

@@ -136,13 +136,15 @@ class LinkService:
         told: Optional[LinkState] = None
         while True:
             self._changed.clear()
-            if self._setting.is_perfect:
+            # What was under way when the line became perfect can still be called back.
+            impaired = not self._setting.is_perfect or self._control.has_under_way
+            if not impaired:
                 self._status = None
-            await self._status_topic.want(not self._setting.is_perfect)
+            await self._status_topic.want(impaired)
             await self._radio_topic.want(self._setting.by_signal is not None)
             told = self._tell(publisher, told)
             with contextlib.suppress(asyncio.TimeoutError):
-                period = None if self._setting.is_perfect else PERIOD
+                period = PERIOD if impaired else None
                 await asyncio.wait_for(self._changed.wait(), period)
 
     def configure(self, setting: LineSetting) -> None:
