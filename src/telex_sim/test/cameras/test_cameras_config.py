@@ -7,12 +7,15 @@ import yaml
 
 from telex_control.common.params import ConfigError, read_config
 from telex_sim.cameras.cameras_config import CamerasConfig
+from telex_sim.cameras.optics.lens import LensMap
 from telex_sim.cameras.ros import cameras_node
 from telex_sim.cameras.ros.live_parameters import as_yaml, changed
 
 FRONT = {"frame": "front_camera_optical_frame", "width": 640, "height": 480, "horizontal_fov": 1.5}
 
 OVERVIEW = {"width": 640, "height": 480, "horizontal_fov": 1.0}
+
+BARREL = [-0.05, 0.0, 0.0, 0.0, 0.0]
 
 
 def read(camera=FRONT, **params):
@@ -69,6 +72,20 @@ def test_defaults_and_optics():
         ({"distortion": [-0.6, 0.0, 0.0, 0.0, 0.0]}, "folds the picture 0.6.. rad off its middle"),
         ({"distortion": [-0.3, 0.0, 0.0, 0.0, 0.0]}, "shows nothing at pixel"),
         ({"detail": 0.0}, "detail is 0.0; it must be at least 0.1 and at most 4"),
+        (
+            {"width": 4096, "height": 3072, "detail": 4.0},
+            "detail is 4.0; with width 4096 and height 3072, 16384x12288 pixels are drawn, and at "
+            "most 8192 along a side are possible",
+        ),
+        (
+            {"horizontal_fov": 2.2, "width": 4000, "detail": 2.0, "distortion": BARREL},
+            "detail is 2.0; with width 4000 and height 480, 9",
+        ),
+        (
+            {"width": 1600, "height": 1200, "detail": 4.0, "shutter": 0.02, "shutter_samples": 64},
+            "shutter_samples is 64; with width 1600 and height 1200, 6400x4800 pixels are drawn "
+            "at detail 4.0, and at most 8 samples of them are possible",
+        ),
         ({"priority": -1}, "priority is -1"),
         ({"noise": -1.0}, "noise is -1"),
         ({"shutter": 2.0}, "shutter is 2.0; it must be at least 0 and at most 1"),
@@ -207,6 +224,25 @@ class TestPreviews:
         enlarged = self.small(width=width, height=height, noise=2.0).reduced(3 * width)
         assert (enlarged.width, enlarged.height) == largest
         assert enlarged.noise == 2.0
+
+    @pytest.mark.parametrize(
+        "changes",
+        [
+            {"width": 1600, "height": 1200, "detail": 3.9, "zoom_max": 6.0},
+            {"width": 1201, "height": 1600, "detail": 4.0},
+            {"width": 640, "height": 16, "detail": 4.0, "shutter": 0.1, "shutter_samples": 64},
+            {"detail": 2.0, "shutter": 0.1, "shutter_samples": 64},
+        ],
+    )
+    def test_what_is_enlarged_can_be_drawn(self, changes):
+        camera = self.small(**changes)
+        for scale in (1.5, 2.0, 4.0):
+            enlarged = camera.reduced(round(scale * camera.width))
+            for zoom in (1.0, camera.zoom_max):
+                pinhole = LensMap(enlarged.optics(zoom), enlarged.detail).pinhole
+                assert max(pinhole.width, pinhole.height) <= 8192
+        assert enlarged.width > 1.05 * camera.width
+        assert camera.reduced(camera.width).width == camera.width
 
     @pytest.mark.parametrize(
         ("changes", "complaint"),

@@ -24,7 +24,7 @@ from telex_control.common.params import (
 from ..scene.visual_scene import VisualLamp
 from .drawing.quality import AUTO, TIERS
 from .optics.exposure import ExposureConfig
-from .optics.lens import NO_DISTORTION, Distortion, DistortionError, LensCamera
+from .optics.lens import NO_DISTORTION, Distortion, DistortionError, LensCamera, drawn_size
 from .optics.noise import RadiationConfig
 from .optics.pinhole import PinholeCamera
 
@@ -37,6 +37,9 @@ FOLLOW, ORBIT, FIXED = VIEW_MODES = ("follow", "orbit", "fixed")
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")
 _MIN_SIZE, _MAX_SIZE = 16, 4096
+# What is drawn of a picture, which a lens and detail make larger, along each side, and of all the
+# moments that a shutter is open for: what any driver takes, and 1 GiB (pixels).
+_MAX_DRAWN, _MAX_EXPOSED = 8192, 2**28
 LEAST_DETAIL = 0.1
 _MAX_FOV = 3.0
 _MAX_RATE = 240.0
@@ -138,9 +141,22 @@ class OpticsConfig(Declared):
             self.far > self.near, f"far is {self.far}; it must be beyond near, which is {self.near}"
         )
         try:
-            self.optics()
+            width, height = self._drawn()
         except DistortionError as error:
             raise ConfigError(str(error)) from None
+        drawn = (
+            f"with width {self.width} and height {self.height}, {width}x{height} pixels are drawn"
+        )
+        require(
+            max(width, height) <= _MAX_DRAWN,
+            f"detail is {self.detail}; {drawn}, and at most {_MAX_DRAWN} along a side are possible",
+        )
+        samples = _MAX_EXPOSED // (width * height)
+        require(
+            self.shutter == 0.0 or self.shutter_samples <= samples,
+            f"shutter_samples is {self.shutter_samples}; {drawn} at detail {self.detail}, and at "
+            f"most {samples} samples of them are possible",
+        )
         # No picture has fewer rows than the least size, so that a narrow one may see further up.
         if self.preview.width < self.width:
             try:
@@ -155,6 +171,21 @@ class OpticsConfig(Declared):
         )
         return replace(wide, focal_length=zoom * wide.focal_length)
 
+    def _drawn(self) -> Tuple[int, int]:
+        """Largest width and height of what is drawn of a picture (pixels).
+
+        Of a lens that draws a smaller one, zoom sees the middle alone, which it hardly bends.
+        """
+        plain = round(self.detail * self.width), round(self.detail * self.height)
+        width, height = map(max, plain, drawn_size(self.optics(), self.detail))
+        return width, height
+
+    def _growth(self) -> float:
+        """Factor of width and height up to which larger pictures can be drawn, rounded too."""
+        width, height = self._drawn()
+        exposed = width * height * (self.shutter_samples if self.shutter else 1)
+        return 0.99 * min(_MAX_DRAWN / max(width, height), math.sqrt(_MAX_EXPOSED / exposed))
+
     def small(self: Optics) -> Optics:
         """Return the same camera as its previews show it."""
         reduced = self.reduced(min(self.preview.width, self.width))
@@ -163,10 +194,12 @@ class OpticsConfig(Declared):
     def reduced(self: Optics, width: int) -> Optics:
         """Return the same camera with smaller pictures, or larger ones, so many pixels wide.
 
-        Neither side becomes longer than a picture's may be. Reducing a picture takes the mean of
-        pixels, and noise from it in proportion.
+        Neither side becomes longer than a picture's may be, or than what can be drawn. Reducing a
+        picture takes the mean of pixels, and noise from it in proportion.
         """
         width = min(width, _MAX_SIZE * self.width // max(self.width, self.height))
+        if width > self.width:
+            width = max(self.width, min(width, int(self._growth() * self.width)))
         scale = width / self.width
         height = max(round(scale * self.height), _MIN_SIZE)
         return replace(self, width=width, height=height, noise=min(scale, 1.0) * self.noise)

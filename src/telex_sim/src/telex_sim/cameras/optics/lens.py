@@ -164,6 +164,20 @@ class LensCamera:
         return float(reach[0]), float(reach[1])
 
 
+def drawn_size(camera: LensCamera, detail: float) -> Tuple[int, int]:
+    """Width and height of the pictures that `LensMap` needs for a camera (pixels).
+
+    Raises
+    ------
+    DistortionError
+    """
+    if not any(camera.distortion):
+        return round(camera.width * detail), round(camera.height * detail)
+    across, along = camera.field()
+    focal = camera.focal_length * detail
+    return 2 * math.ceil(across * focal + _MARGIN), 2 * math.ceil(along * focal + _MARGIN)
+
+
 class LensMap:
     """Turns pictures of a pinhole camera into what a camera with a lens shows.
 
@@ -188,14 +202,10 @@ class LensMap:
 
     def __init__(self, camera: LensCamera, detail: float) -> None:
         plain = not any(camera.distortion)
+        width, height = drawn_size(camera, detail)
         focal = camera.focal_length * detail
         if plain:
-            width, height = round(camera.width * detail), round(camera.height * detail)
             focal = camera.focal_length * width / camera.width
-        else:
-            across, along = camera.field()
-            width = 2 * math.ceil(across * focal + _MARGIN)
-            height = 2 * math.ceil(along * focal + _MARGIN)
         self.pinhole = PinholeCamera(
             width, height, 2.0 * math.atan(0.5 * width / focal), camera.near, camera.far
         )
