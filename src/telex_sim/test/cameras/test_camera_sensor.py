@@ -19,7 +19,7 @@ from telex_sim.cameras.drawing.quality import TIERS
 from telex_sim.cameras.drawing.renderer import Renderer
 from telex_sim.cameras.optics.camera_sensor import CameraSensor
 from telex_sim.cameras.optics.exposure import ExposureConfig, ExposureControl, exposure_factor
-from telex_sim.cameras.optics.lens import DistortionError, LensCamera, LensMap
+from telex_sim.cameras.optics.lens import NO_DISTORTION, DistortionError, LensCamera, LensMap
 from telex_sim.cameras.optics.noise import RadiationConfig, SensorNoise
 from telex_sim.cameras.ros.messages import camera_info_message
 from telex_sim.cameras.ros.overview_rig import OverviewRig
@@ -194,6 +194,15 @@ class TestLens:
         picture = np.zeros((480, 640, 4), np.uint8)
         assert lens.bend(picture) is picture
         assert (lens.pinhole.width, lens.pinhole.height) == (640, 480)
+
+    @pytest.mark.parametrize("detail", [0.1, 0.35, 0.6, 0.85, 1.3])
+    @pytest.mark.parametrize("size", [(640, 480), (101, 67), (75, 150), (333, 16), (97, 31)])
+    def test_every_pixel_has_a_depth_whatever_the_detail(self, size, detail):
+        camera = LensCamera.of_field(*size, 1.2, NO_DISTORTION, 0.1, 50.0)
+        lens = LensMap(camera, detail)
+        assert lens.pinhole.height >= size[1] * lens.pinhole.width / size[0]
+        depth = np.full((lens.pinhole.height, lens.pinhole.width), 3.0, np.float32)
+        assert (lens.bend_depth(depth) == 3.0).all()
 
     @pytest.mark.parametrize("distortion", [(-0.5, 0.0, 0.0, 0.0, 0.0), (9.0,) * 5])
     def test_what_no_lens_can_do(self, distortion):

@@ -172,7 +172,9 @@ def drawn_size(camera: LensCamera, detail: float) -> Tuple[int, int]:
     DistortionError
     """
     if not any(camera.distortion):
-        return round(camera.width * detail), round(camera.height * detail)
+        # The focal length is that of the width; no row may lie beyond the height.
+        width = round(camera.width * detail)
+        return width, math.ceil(camera.height * width / camera.width)
     across, along = camera.field()
     focal = camera.focal_length * detail
     return 2 * math.ceil(across * focal + _MARGIN), 2 * math.ceil(along * focal + _MARGIN)
@@ -254,7 +256,7 @@ class LensMap:
         """
         if self._identical:
             return depth
-        return cv2.remap(depth, *self._nearest, cv2.INTER_NEAREST)
+        return cv2.remap(depth, *self._nearest, cv2.INTER_NEAREST, borderMode=cv2.BORDER_REPLICATE)
 
 
 def _between(count: int) -> Tuple[np.ndarray, np.ndarray]:
