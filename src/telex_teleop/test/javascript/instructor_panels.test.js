@@ -1,11 +1,15 @@
 // @ts-check
-/** Line and malfunctions as the instructor's panels understand them. */
+/** Line, malfunctions and trials as the instructor's panels understand them. */
 
 import "./browser.js";
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { lineText } from "../../console/js/instructor/line_panel.js";
 import { AtNextStep } from "../../console/js/instructor/malfunction_panel.js";
+
+// The panel's questions listen to the keys.
+Object.assign(globalThis, { window: { addEventListener() {} } });
+const { stateText } = await import("../../console/js/training/instructor_panel.js");
 
 const PERFECT = { profile: "perfect", delay: 0, jitter: 0, loss: 0, bandwidth: 0, outage: false };
 const RUNNING = { trial: "t1", phase: "running", repetition: 1, steps_done: [false, false] };
@@ -49,4 +53,13 @@ test("what waits is forgotten with the trial, or when it is cancelled", () => {
   waiting.add(FROZEN);
   waiting.remove(FROZEN);
   assert.deepEqual(waiting.hear({ ...RUNNING, steps_done: [true, false] }), []);
+});
+
+test("a trial that is not valid is said to be that once it has ended, whatever its figures are", () => {
+  const state = /** @type {any} */ ({ operator: "ann", title: "Slalom", setting: "standard", mode: "practice", phase: "ended", verdict: "passed", valid: true });
+  assert.equal(stateText(state), "ann · Slalom · practice · passed");
+  assert.equal(stateText({ ...state, verdict: "" }), "ann · Slalom · practice · no verdict");
+  assert.equal(stateText({ ...state, valid: false }), "ann · Slalom · practice · not valid");
+  assert.equal(stateText({ ...state, valid: false, phase: "running" }), "ann · Slalom · practice · running");
+  assert.equal(stateText(null), "none is open");
 });

@@ -89,7 +89,7 @@ export function stepText({ phase, steps, steps_done: done }) {
 /** Verdict of the trial that ended last. @param {Station["last"]} last */
 export function lastText(last) {
   if (last === null) return "";
-  const verdict = last.verdict === "" ? (last.valid ? text("no verdict") : text("not valid")) : translated(last.verdict);
+  const verdict = last.valid ? translated(last.verdict) || text("no verdict") : text("not valid");
   return text("last: {verdict} · {what} · {who}", { verdict, what: whatText(last), who: last.operator || text("no name") });
 }
 

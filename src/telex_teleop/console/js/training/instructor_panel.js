@@ -138,7 +138,7 @@ export class ExercisePanel {
   async _abort() {
     const state = this._state;
     if (state === null) return;
-    if (await ask(text("Abort the trial of {name}? It ends, and its sheet is written.", { name: state.operator || text("nobody") }), text("abort"))) this._client.act("abort");
+    if (await ask(text("Abort the trial of {name}? It ends, and its sheet is written.", { name: state.operator || text("nobody") }), text("abort"))) this._client.act("call_off");
   }
 
   /**
@@ -165,7 +165,8 @@ export class ExercisePanel {
 export function stateText(state) {
   if (state === null || state.phase === "idle") return text("none is open");
   const { operator, title, setting, mode, phase, verdict, valid } = state;
-  const end = phase === "ended" ? translated(verdict) || (valid ? text("no verdict") : text("not valid")) : translated(phase);
+  const outcome = valid ? translated(verdict) || text("no verdict") : text("not valid");
+  const end = phase === "ended" ? outcome : translated(phase);
   return [operator || text("no name"), setting === "standard" ? translated(title) : `${translated(title)}, ${translated(setting)}`, translated(mode), end].join(" · ");
 }
 
