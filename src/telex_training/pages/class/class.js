@@ -149,7 +149,9 @@ class OrderDialog {
     fill(choice("order-mode"), (exercise?.modes ?? []).map((each) => [each, translated(each)]));
   }
 
+  /** Choose none, and name whoever sits there now: the last opening may have been another day. */
   _fillRows() {
+    field("order-all").checked = false;
     const rows = byId("order-rows");
     for (const { name, state } of stations) {
       let row = this._rows.get(name);
@@ -161,8 +163,9 @@ class OrderDialog {
         this._rows.set(name, row);
         rows.append(element("tr", "", { "data-station": name }, [element("td", "", {}, [chosen]), element("td", name), element("td", "", {}, [trainee]), row.outcome]));
       }
+      row.chosen.checked = false;
       // Who sits there is who did the last trial there, or who has control.
-      if (row.trainee.value === "") row.trainee.value = state?.operator || state?.holder || "";
+      row.trainee.value = state?.operator || state?.holder || "";
     }
     this.showOutcomes();
   }
