@@ -552,8 +552,8 @@ class Watched:
     def __init__(self):
         self.ended = []
 
-    def abort(self, *reason):
-        self.ended.append(reason)
+    def abort(self, reason, by, given_up):
+        self.ended.append((reason, by, given_up))
 
 
 def test_a_page_that_is_gone_for_long_abandons_the_trial(monkeypatch):
@@ -565,9 +565,9 @@ def test_a_page_that_is_gone_for_long_abandons_the_trial(monkeypatch):
     node._settings = SimpleNamespace(away=30.0)
     node._holder, node._had_holder, node._away_since = "ann", False, None
 
-    def look(after, holder):
+    def look(after, holder, silent=0.0):
         now[0] += after
-        node._holder, node._heard_of_clients = holder, time.monotonic()
+        node._holder, node._heard_of_clients = holder, time.monotonic() - silent
         node._look_who_is_there()
         return watched.ended
 
@@ -577,7 +577,25 @@ def test_a_page_that_is_gone_for_long_abandons_the_trial(monkeypatch):
     assert not look(0.5, "ann")  # and back
     assert not look(1.0, "")
     assert not look(29.9, "")
-    assert look(0.2, "") == [("abandoned", "training")]
+    assert look(0.2, "") == [("abandoned", "training", True)]
+    # That the bridge has ended is nobody's giving up.
+    assert not look(1.0, "ann", silent=10.0)[1:]
+    assert look(30.1, "", silent=40.0)[1:] == [("abandoned", "training", False)]
+
+
+def test_what_an_instructor_calls_off_is_not_given_up(station, session):
+    node = station()
+    node._session, node._lock, node._wanted = session, threading.RLock(), threading.Event()
+    node._holder = "ann"
+    session.start()
+    wait(session, "waiting")
+    with mock.patch.object(session, "_put") as put:
+        node._on_call_off(None)
+        node._on_abort(None)
+    assert [each.args[0] for each in put.call_args_list] == [
+        {"input": "abort", "reason": "aborted", "by": "instructor"},
+        {"input": "abort", "reason": "aborted", "by": "", "given_up": True},
+    ]
 
 
 @pytest.fixture

@@ -41,7 +41,7 @@ class Training:
         modes = {"modes": ["practice", "exam"]}
         listed = [{**SLALOM, **modes}, {**VALVE, **modes}, BROKEN]
         self.serve("list", "telex_msgs/ListExercises", exercises=listed)
-        for name in ("start", "again", "abort"):
+        for name in ("start", "again", "call_off"):
             self.serve(name, "std_srvs/Trigger", **DONE)
         self.serve("note", "telex_msgs/NoteTrial", **DONE)
         self.serve("bookmark", "telex_msgs/Bookmark", message="bookmark 'door' is set", **DONE)
@@ -118,10 +118,10 @@ def test_an_exercise_is_opened_for_a_trainee_and_started_and_aborted(ros, traini
     assert not page.element("#exercise-open").is_enabled()
     page.element("#exercise-abort").click()
     assert answer(page, "no").startswith("Abort the trial of ann?")
-    assert training.asked("abort") == []
+    assert training.asked("call_off") == []
     page.element("#exercise-abort").click()
     answer(page, "yes")
-    wait_until(lambda: len(training.asked("abort")) == 1)
+    wait_until(lambda: len(training.asked("call_off")) == 1)
     page.script("other.close()")
     assert page.errors() == []
 

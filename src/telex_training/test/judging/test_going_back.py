@@ -64,6 +64,16 @@ def anew(trial):
     trial.sample()
 
 
+def test_what_goes_on_from_a_bookmark_cannot_be_given_up():
+    trial = ready()
+    to_goal(trial)
+    back(trial)
+    trial.input("abort", given_up=True)
+    sheet = trial.judge.sheet()
+    assert [made["fault"] for made in sheet["repetitions"]] == ["went back"]
+    assert "practised" not in sheet
+
+
 def test_going_back_ends_the_repetition_uncredited_and_is_no_interference():
     trial = ready()
     to_goal(trial)

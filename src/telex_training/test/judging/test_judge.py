@@ -324,6 +324,42 @@ def test_an_abort_has_no_verdict_below_what_is_asked_and_never_in_an_exam():
         assert trial.judge.sheet()["verdict"] == verdict
 
 
+def test_who_gives_up_has_given_up_the_repetition_that_runs():
+    trial = ready(DRILL.replace("faults: {pass: 1}", "faults: {pass: 0}"))
+    for _ in range(2):
+        lap(trial)
+        trial.again()
+    trial.drive(1.0)
+    trial.input("abort", reason="aborted", by="", given_up=True)
+    sheet = trial.judge.sheet()
+    assert [made["fault"] for made in sheet["repetitions"]] == [None, None, "given up"]
+    assert (sheet["ended"], sheet["verdict"]) == ("aborted", "failed")
+    assert sheet["summary"]["faults"] == 1
+    assert [each["event"] for each in sheet["events"]][-3:] == ["fault", "repetition", "end"]
+    assert folded(trial).text() == trial.judge.text()
+
+
+@pytest.mark.parametrize("by", [{}, {"by": "instructor"}, {"given_up": False}, {"given_up": "yes"}])
+def test_an_abort_that_is_not_the_operators_leaves_the_repetition_out(by):
+    trial = ready()
+    trial.drive(1.0)
+    trial.input("abort", reason="aborted", **by)
+    sheet = trial.judge.sheet()
+    assert (sheet["ended"], sheet["repetitions"]) == ("aborted", [])
+    assert trial.kinds()[-1] == "end"
+    assert trial.judge.state()["elapsed"] > 0.0
+
+
+def test_a_repetition_that_waits_or_has_ended_cannot_be_given_up():
+    trial = ready()
+    trial.input("abort", given_up=True)
+    assert trial.judge.sheet()["repetitions"] == []
+    trial = ready()
+    lap(trial)
+    trial.input("abort", given_up=True)
+    assert [made["completed"] for made in trial.judge.sheet()["repetitions"]] == [True]
+
+
 def test_an_instructors_mark_stands_beside_the_verdict():
     trial = ready()
     lap(trial)

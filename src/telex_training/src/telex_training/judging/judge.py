@@ -584,8 +584,13 @@ class Judge:
 
     def _abort(self, content: Dict[str, Any]) -> None:
         reason, by = text_field(content, "reason", "aborted"), text_field(content, "by")
-        if self._allowed(content, READY, PREPARING, WAITING, RUNNING, BETWEEN):
-            self._end(reason or "aborted", by)
+        if not self._allowed(content, READY, PREPARING, WAITING, RUNNING, BETWEEN):
+            return
+        repetition = self._record.repetition
+        runs = self._record.phase == RUNNING and repetition is not None and not repetition.bookmark
+        if runs and content.get("given_up") is True:
+            self._leave(GIVEN_UP)
+        self._end(reason or "aborted", by)
 
     def _pause(self, content: Dict[str, Any]) -> None:
         self._say("pause", text_field(content, "by"), {"on": content.get("on", True) is not False})

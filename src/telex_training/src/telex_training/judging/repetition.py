@@ -20,8 +20,8 @@ TIME_FAULT = "time"
 GIVEN_UP = "given up"
 WENT_BACK = "went back"
 PUT_BACK = "put back from outside"
-"""Faults that no exercise names: the repetition's time was over; the operator began anew; he went
-back to a bookmark; somebody else reset the simulation, or went back.
+"""Faults that no exercise names: the repetition's time was over; the operator began anew, or left
+the trial; he went back to a bookmark; somebody else reset the simulation, or went back.
 """
 
 

@@ -349,8 +349,13 @@ class Session:
             raise SessionError(f"the trial is {self.phase}; questions are answered while it runs")
         self._put({"input": "answer", "question": question, "answer": answer})
 
-    def abort(self, reason: str, by: str = "") -> None:
+    def abort(self, reason: str, by: str = "", given_up: bool = False) -> None:
         """End the trial.
+
+        Parameters
+        ----------
+        given_up : bool
+            Whether it is its operator who leaves it: a repetition that runs then counts as such.
 
         Raises
         ------
@@ -361,7 +366,8 @@ class Session:
             raise SessionError("the trial has ended already")
         if self._inbox is None:
             raise SessionError("the trial has not begun; there is nothing to abort")
-        self._put({"input": "abort", "reason": reason, "by": by})
+        left = {"given_up": True} if given_up else {}
+        self._put({"input": "abort", "reason": reason, "by": by, **left})
 
     def note(self, content: Mapping[str, Any]) -> None:
         """Put an instructor's note, an input of the judge, where it belongs in time."""

@@ -115,6 +115,7 @@ class TrainingNode:
             "training/start": (Trigger, lambda _: self._trigger(self._start)),
             "training/again": (Trigger, lambda _: self._trigger(Session.again)),
             "training/abort": (Trigger, self._on_abort),
+            "training/call_off": (Trigger, self._on_call_off),
             "training/bookmark": (Bookmark, self._on_bookmark),
             "training/back": (Restore, self._on_back),
             "training/help": (SetBool, lambda request: self._help(request.data)),
@@ -363,7 +364,11 @@ class TrainingNode:
         return self._session
 
     def _on_abort(self, _request: Any) -> None:
-        self._trigger(lambda session: session.abort("aborted"))
+        self._trigger(lambda session: session.abort("aborted", given_up=True))
+
+    def _on_call_off(self, _request: Any) -> None:
+        """End a trial as its instructor, which is not held against the operator."""
+        self._trigger(lambda session: session.abort("aborted", "instructor"))
 
     def _on_bookmark(self, request: Any) -> Fields:
         if request.replaces:
@@ -468,7 +473,8 @@ class TrainingNode:
             self._away_since = None
             return
         now = rospy.get_time()
-        if self._holder and time.monotonic() - self._heard_of_clients > _SILENT:
+        silent = time.monotonic() - self._heard_of_clients > _SILENT
+        if silent:
             self._holder = ""  # the bridge itself is gone
         self._had_holder = self._had_holder or bool(self._holder)
         if self._holder or not self._had_holder:
@@ -479,7 +485,7 @@ class TrainingNode:
         elif now - self._away_since > self._settings.away:
             self._away_since = None
             with contextlib.suppress(SessionError), self._lock:
-                session.abort("abandoned", "training")
+                session.abort("abandoned", "training", given_up=not silent)
 
     def _tell(self, trial: str, event: JudgeEvent) -> None:
         message = TrainingEvent(
