@@ -189,6 +189,7 @@ class TestRangeFinder:
             {"noise": -1.0},
             {"noise_share": 2.0},
             {"resolution": math.nan},
+            {"resolution": 1e-310},
             {"topic": ""},
             {"topic": "/elsewhere"},
             {"topic": "two words"},

@@ -47,6 +47,19 @@ def test_the_shipped_configuration_is_valid():
         ({"start__height": -0.1}, "height is -0.1"),
         ({"tracks__friction": 0.0}, "friction is 0.0"),
         ({"tracks__belts": {"x": -1.0}}, "belts/x is -1.0"),
+        *(
+            ({"tracks__belts": {"x": radius}}, f"belts/x is {radius} m; a radius of 0.001 to 10 m")
+            for radius in (1e-200, 1e200)
+        ),
+        *(
+            ({f"tracks__{name}": value}, f"{name} is {value}; it must be at least {least} and")
+            for names, least in (
+                (("friction", "lateral_friction", "side_friction"), "1e-06"),
+                (("stiffness", "damping", "contact_stiffness", "contact_damping"), "1"),
+            )
+            for name in names
+            for value in (1e-200, 1e200)
+        ),
         ({"hardware__joints": {"turret_joint": {"armature": -0.1}}}, "armature is -0.1"),
         ({"hardware__joints": {"turret_joint": {"overtravel": -0.1}}}, "overtravel is -0.1"),
         ({"hardware__contacts": {"x": {"friction": -1.0}}}, "contacts/x: friction is -1.0"),

@@ -20,6 +20,7 @@ from telex_sim.scene.model import Floor
 from telex_sim.scene.objects.bodies import SceneBodies
 from telex_sim.stability.footholds import FootholdFinder
 from telex_sim.tracks.belt_drive import BeltDriveConfig
+from telex_sim.tracks.track_config import Grip
 from telex_sim.tracks.tracks import Tracks
 
 MASS = 20.0
@@ -431,6 +432,15 @@ def test_flanks_rub_and_do_not_drive(world):
     sledge.run(2.0, belt=3.0, tilt=(0.0, pull))
     stopping = 1.0 / (2.0 * 0.3 * GRAVITY * math.sin(pull))
     assert sledge.place[0] - start == pytest.approx(stopping, rel=0.1)
+
+
+@pytest.mark.parametrize("grip", [(MU, 5e-324), (5e-324, LATERAL), (1e-310, 1e-310)])
+def test_where_the_grip_is_too_little_to_reckon_with_there_is_none(world, grip):
+    materials = {"ice": Grip(*grip)}
+    pybullet.changeDynamics(0, -1, lateralFriction=0.5, physicsClientId=world.client)
+    sledge = Sledge(world, material_of=lambda uid, link: "ice", materials=materials)
+    sledge.run(0.5, belt=0.5, tilt=(0.2, 0.0))
+    assert sledge.velocity[0] == pytest.approx(0.5 * GRAVITY * math.sin(0.2), rel=0.05)
 
 
 @pytest.mark.parametrize("grip", [1.0, 1.5])

@@ -8,6 +8,8 @@ from typing import Collection, Tuple
 
 from telex_control.common.params import Declared, checked, number, parameter, require
 
+_FINEST = 1e-6
+"""Resolution of a range finder (m); of much finer ones there are too many to count."""
 _TOPIC = re.compile(r"[A-Za-z][A-Za-z0-9_]*(/[A-Za-z0-9_]+)*")
 
 
@@ -45,6 +47,13 @@ class RangeFinderConfig(Declared):
         0.001, "Readings are multiples of it (m); 0: they are not.", 0.0, 1.0
     )
     seed: int = number(1, "The same seed gives the same errors.", 0)
+
+    def check(self) -> None:
+        """Check what `number` cannot say; see `Declared.check`."""
+        require(
+            self.resolution == 0.0 or self.resolution >= _FINEST,
+            f"resolution is {self.resolution}; it must be 0, for none, or at least {_FINEST:g}",
+        )
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,9 @@ from telex_control.common.params import Declared, number, parameter, require, re
 
 from .belt_drive import BeltDriveConfig
 
+# Least and largest: no robot has others, of which squares and quotients overflow or vanish.
+_FRICTION, _RADIUS, _YIELDING = (1e-6, 10.0), (1e-3, 10.0), (1.0, 1e9)
+
 
 @dataclass(frozen=True)
 class Grip(Declared):
@@ -37,35 +40,39 @@ class TrackConfig(Declared):
         1.0,
         "Friction coefficient along the belt, on a surface with friction 1; with any "
         "other, it is the product.",
-        above=0.0,
+        *_FRICTION,
     )
-    lateral_friction: float = number(0.7, "Across the belt.", above=0.0)
+    lateral_friction: float = number(0.7, "Across the belt.", *_FRICTION)
     materials: Dict[str, Grip] = parameter(
         dict,
         "In place of these two, by what the surface looks to be made of (see "
         "`telex_sim.scene.model.Surface.material`).",
     )
-    side_friction: float = number(0.6, "Of the belt's flanks, in every direction.", above=0.0)
+    side_friction: float = number(0.6, "Of the belt's flanks, in every direction.", *_FRICTION)
     edge_grip: float = number(
         1.2, "Factor on the friction along the belt where its cleats catch an edge.", 1.0, 10.0
     )
     stiffness: float = number(
-        1.0e5, "Of a stuck track against the ground (N/m), each track.", above=0.0
+        1.0e5, "Of a stuck track against the ground (N/m), each track.", *_YIELDING
     )
     damping: float = number(
-        1500.0, "Of a stuck track against the ground (N s/m), each track.", above=0.0
+        1500.0, "Of a stuck track against the ground (N s/m), each track.", *_YIELDING
     )
     contact_stiffness: float = number(
-        1.0e5, "Of the contact normal to the surface (N/m).", above=0.0
+        1.0e5, "Of the contact normal to the surface (N/m).", *_YIELDING
     )
     contact_damping: float = number(
-        6.0e3, "Of the contact normal to the surface (N s/m).", above=0.0
+        6.0e3, "Of the contact normal to the surface (N s/m).", *_YIELDING
     )
 
     def check(self) -> None:
         """Check what concerns several of them; see `Declared.check`."""
         for name, radius in self.belts.items():
-            require(radius > 0.0, f"belts/{name} is {radius} m; a radius above 0 is needed")
+            require(
+                _RADIUS[0] <= radius <= _RADIUS[1],
+                f"belts/{name} is {radius} m; a radius of {_RADIUS[0]:g} to {_RADIUS[1]:g} m is "
+                "needed",
+            )
         owners: Dict[str, str] = {}
         for drive, belts in self.drives.items():
             require(bool(belts), f"drives/{drive} is []; it needs a belt joint at least")

@@ -387,7 +387,7 @@ class Tracks(Stateful):
                 if found is None:
                     found = patches[place] = Patch()
                 touches = found.touches
-            if along <= 0.0:
+            if along <= 0.0 or across <= 0.0:
                 continue
             point = contact[5]
             x, y, z = point
