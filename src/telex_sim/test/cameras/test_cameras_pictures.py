@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import zlib
+
 import numpy as np
 import pytest
 import rospy
@@ -12,20 +14,24 @@ from telex_msgs.msg import ActiveMalfunction, Malfunctions, SceneDescription, Sc
 from telex_control.common.params import read_config
 from telex_sim.cameras.cameras_config import CamerasConfig
 from telex_sim.cameras.drawing.kept_pictures import KeptPictures
+from telex_sim.cameras.optics.flaws import SOUND, Flaws
+from telex_sim.cameras.ros import cameras_node
 from telex_sim.cameras.ros.cameras_node import CamerasNode
+from telex_sim.cameras.ros.robot_cameras import RobotCameras
 
 SIZE = (64, 48)
-CAMERA = {"width": SIZE[0], "height": SIZE[1], "horizontal_fov": 1.2, "rate": 240.0, "depth": True}
+RATE = 240.0
+CAMERA = {"width": SIZE[0], "height": SIZE[1], "horizontal_fov": 1.2, "rate": RATE, "depth": True}
 PARAMS = {
     "cameras": {
-        "front": {**CAMERA, "frame": "front", "preview": {"width": 32, "rate": 240.0}},
+        "front": {**CAMERA, "frame": "front", "preview": {"width": 32, "rate": RATE}},
         "rear": {
             **CAMERA,
             "width": 80,
             "height": 60,
             "frame": "rear",
             "distortion": [-0.1, 0.02, 0.0, 0.0, 0.0],
-            "preview": {"width": 80, "rate": 240.0},
+            "preview": {"width": 80, "rate": RATE},
         },
     },
     "shadow_period": 0.0,
@@ -45,6 +51,7 @@ class Graph:
         monkeypatch.setattr(rospy, "Subscriber", self.subscribe)
         monkeypatch.setattr(rospy, "Service", lambda *_: None)
         monkeypatch.setattr(rospy, "is_shutdown", self.is_over)
+        monkeypatch.setattr(cameras_node, "_PATIENCE", 2.0 / RATE)
 
     def subscribe(self, topic, kind, callback, **_):
         self.callbacks[topic] = callback
@@ -185,3 +192,22 @@ def test_a_picture_is_of_now_where_a_preview_of_its_size_was_taken_before(stage)
     # Both are of one view: the renderer gives the one picture again for the other.
     stage.look(20.0, f"rear/{PREVIEW}")
     assert stage.look(20.0, REAR) == [20.0]
+
+
+def test_cameras_of_robots_alike_have_noise_and_dirt_of_their_own(monkeypatch):
+    Graph(monkeypatch)
+    noisy = {**PARAMS, "cameras": {"front": {**CAMERA, "frame": "front", "noise": 4.0}}}
+    config = read_config(CamerasConfig, noisy, "cameras")
+
+    def seen(namespace, flaws=SOUND):
+        (stream,) = RobotCameras(config, namespace).streams
+        grey = np.full((SIZE[1], SIZE[0], 4), 128, np.uint8)
+        return stream.full_sensor().develop([grey], False, 0.0, 10**9, flaws=flaws)[..., :3]
+
+    for flaws in (SOUND, Flaws(dirty=0.3)):
+        first = seen("", flaws)
+        assert (first == seen("", flaws)).all()
+        assert (first != seen("/second", flaws)).mean() > 0.5
+        assert (seen("/third", flaws) != seen("/second", flaws)).mean() > 0.5
+    # As it is without further robots.
+    assert config.seed_of("front") == zlib.crc32(b"front")

@@ -447,7 +447,13 @@ class CamerasConfig(Declared):
         return [lamp.lamp(f"{prefix}{name}", self.model) for name, lamp in self.lamps.items()]
 
     def seed_of(self, camera: str) -> int:
-        """Seed of a camera's noise and dirt: by its name, so that it is the same beside others."""
+        """Seed of a camera's noise and dirt: by its name, so that it is the same beside others.
+
+        Parameters
+        ----------
+        camera
+            Of a further robot, with its namespace before it.
+        """
         return self.seed + zlib.crc32(camera.encode())
 
     def check(self) -> None:

@@ -49,14 +49,15 @@ class RobotCameras:
                 scene_frame=f"{config.model}/{camera.frame}",
                 locate=_itself,
                 repeat_rate=config.repeat_rate,
-                seed=config.seed_of(name),
+                # Robots alike have cameras of the same names.
+                seed=config.seed_of(f"{prefix}{name}"),
                 prefix=prefix,
             )
             for name, camera in sorted(config.cameras.items())
         ]
         self.frames = [stream.scene_frame for stream in self.streams]
         if config.overview is not None:
-            seed = config.seed_of(OVERVIEW)
+            seed = config.seed_of(f"{prefix}{OVERVIEW}")
             self._overview = Overview(config.overview, config.model, seed, prefix)
             self.streams.append(self._overview.stream)
         # Lamps of several robots have the same names.
