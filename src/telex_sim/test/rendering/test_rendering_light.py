@@ -3,6 +3,7 @@
 import math
 import re
 
+import moderngl
 import numpy as np
 import pytest
 
@@ -59,6 +60,34 @@ def off_axis(camera):
 
 def head_lamp(**changes):
     return VisualLamp("world", **{"position": EYE, "direction": AHEAD, "reach": 20.0, **changes})
+
+
+def test_programs_of_lights_long_ago_are_released(studio, monkeypatch):
+    made = []
+
+    def noting(make):
+        def noted(*arguments, **named):
+            made.append(make(*arguments, **named))
+            return made[-1]
+
+        return noted
+
+    for kind in ("program", "vertex_array"):
+        monkeypatch.setattr(moderngl.Context, kind, noting(getattr(moderngl.Context, kind)))
+
+    def show(step):
+        return studio.shoot(WALL, lamps=[head_lamp()], daylight=Daylight(ambient=1.0 - 0.01 * step))
+
+    def alive():
+        return sum(not isinstance(each.mglo, moderngl.InvalidObject) for each in made)
+
+    first, *_ = [show(step) for step in range(12)]
+    before, count = alive(), len(made)
+    for step in range(12, 24):
+        show(step)
+    assert len(made) > count
+    assert alive() == before
+    assert (show(0) == first).all()
 
 
 def test_pixels_fetch_nothing_but_textures_and_lamps():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Dict, Mapping, Optional, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 import moderngl
 import numpy as np
@@ -19,6 +19,9 @@ from .shaders import (
 )
 
 PICTURE_UNIT, SHADOW_MAP_UNIT, COVER_MAP_UNIT, LAMP_MAP_UNIT = range(4)
+
+# Lights whose programs are kept, the last ones.
+_MOST_LIGHTS = 8
 
 Uniforms = Mapping[str, np.ndarray]
 """Values by name, float32; matrices as OpenGL takes them (`column_major`)."""
@@ -70,7 +73,7 @@ class LitProgram:
 
 
 class LitPrograms:
-    """All variants in all lights so far, each compiled when it is first needed."""
+    """All variants in the last lights, each compiled when it is first needed."""
 
     def __init__(self, context: moderngl.Context, shadow_lookups: int, lamp_lookups: int) -> None:
         self._context = context
@@ -78,10 +81,22 @@ class LitPrograms:
         self._lights: Dict[Tuple, Dict[LitVariant, LitProgram]] = {}
         self.take_light({})
 
-    def take_light(self, constants: Constants) -> None:
-        """Have the programs show things in another light from now on."""
+    def take_light(self, constants: Constants) -> List[moderngl.Program]:
+        """Have the programs show things in another light from now on.
+
+        Returns
+        -------
+        list of moderngl.Program
+            Those of a light that are kept no longer, to be released.
+        """
         self._constants = constants
-        self._programs = self._lights.setdefault(tuple(sorted(constants.items())), {})
+        light = tuple(sorted(constants.items()))
+        self._programs = self._lights.pop(light, {})
+        self._lights[light] = self._programs  # the last one comes last
+        if len(self._lights) <= _MOST_LIGHTS:
+            return []
+        oldest = self._lights.pop(next(iter(self._lights)))
+        return [each.program for each in oldest.values()]
 
     def get(self, variant: LitVariant) -> LitProgram:
         """Return the program of a variant."""

@@ -230,7 +230,7 @@ class Renderer:
         self._uniforms = {name: light.pop(name) for name in ("sky_ambient", "ground_ambient")}
         # Half the width of soft edges, as a share of the shadow map's side.
         softness = self._quality.shadow_softness / self._quality.shadow_map_size
-        self._programs.take_light(
+        unused = self._programs.take_light(
             {
                 **{name: tuple(np.atleast_1d(value).tolist()) for name, value in light.items()},
                 "lamp_nearest2": (NEAREST**2,),
@@ -238,6 +238,10 @@ class Renderer:
                 "shadow_softness": (softness,),
             }
         )
+        for program in unused:
+            for drawable in self._scene.drawables:
+                drawable.mesh.forget(program)
+            program.release()
 
     def set_lamp_levels(self, levels: Mapping[str, float]) -> None:
         """Dim the lamps that have names: 0 is off, 1 full."""

@@ -64,6 +64,12 @@ class _Shape:
         content = [(self.vertices, " ".join(layout), *names)]
         return self._context.vertex_array(program, content, self._triangles)
 
+    def forget(self, program: moderngl.Program) -> None:
+        """Free what draws it with a program."""
+        array = self._arrays.pop(program, None)
+        if array is not None:
+            array.release()
+
     def release(self) -> None:
         """Free the memory."""
         for array in self._arrays.values():
@@ -148,6 +154,11 @@ class GpuMesh:
             content = [(positions, "3f", "in_position")]
             self._outlines[program] = self._context.vertex_array(program, content, triangles)
         return self._outlines[program]
+
+    def forget(self, program: moderngl.Program) -> None:
+        """Free what draws it with a program, which `array` was asked for."""
+        for shape in self._shapes.values():
+            shape.forget(program)
 
     def release(self) -> None:
         """Free the memory."""
