@@ -78,3 +78,17 @@ def test_without_a_master_those_known_last_count(hearing, caplog):
     publisher.find_cameras()
     assert begin_anew() == ["front"]
     assert "/cameras/cameras cannot be read: nobody is there" in caplog.text
+
+
+def test_where_there_is_nothing_to_tell_cameras_forget_what_they_knew_before(monkeypatch, robot):
+    from rospy import Time
+
+    master = Master(monkeypatch)
+    simulation = robot(world="name: calm\nobjects: []\n").simulation
+    publisher = radiation_publisher.RadiationPublisher(simulation.robots[0])
+    for second in range(3):
+        publisher.publish(simulation, Time(second))
+    assert master.told == [[]]
+    simulation.change_scene(simulation.plan_scene(SCENE))
+    publisher.publish(simulation, Time(3))
+    assert master.told[1:] == [["front"]]

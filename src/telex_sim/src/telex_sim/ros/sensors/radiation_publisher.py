@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import rospy
+from std_msgs.msg import Header
 from telex_msgs.msg import CameraRadiation, ComponentDoses, Dosimeter
 
 from telex_control.ros.start_order import NO_ANSWER
@@ -54,6 +55,10 @@ class RadiationPublisher:
         """Expose the robot to the field until now; every second time, and at a start, tell it."""
         readings = self._exposure.observe(simulation)
         if readings is None:
+            if self._starts < 0:
+                # A simulator that has crashed may have told the cameras of doses.
+                self._starts = self._robot.starts
+                self._cameras.publish(CameraRadiation(header=Header(stamp=stamp)))
             return
         self._tells = not self._tells or self._robot.starts != self._starts
         self._starts = self._robot.starts
