@@ -75,10 +75,17 @@ class MalfunctionService:
             level = lamps[name].get("level", 0.0)
             lit = isinstance(level, (int, float)) and 0.0 <= level <= 1.0
             self._levels[name] = float(level) if lit else 0.0
-            topic = f"{self._robot.namespace}/lamps/{name}/command"
-            self._lamps.append(
-                rospy.Subscriber(topic, Float64, self._take_level, callback_args=name)
-            )
+            # The node of the cameras says how a lamp is switched, also to a simulator that begins
+            # after it; where there is none, commands are all there is.
+            for topic in ("command", "level"):
+                self._lamps.append(
+                    rospy.Subscriber(
+                        f"{self._robot.namespace}/lamps/{name}/{topic}",
+                        Float64,
+                        self._take_level,
+                        callback_args=name,
+                    )
+                )
         self._malfunctions.lamp_levels = sum(self._levels.values())
 
     def _take_level(self, message: Float64, name: str) -> None:
