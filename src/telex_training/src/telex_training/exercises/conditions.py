@@ -231,7 +231,9 @@ class Condition:
 
     def zones(self) -> Tuple[str, ...]:
         """Names of the zones that it looks at by itself."""
-        if self.kind in ("inside", "touches"):
+        if self.kind == "inside":
+            return (self.of.zone,)
+        if self.kind == "touches":
             return (self.of.zone,) if self.of.zone else ()
         return tuple(self.of.outside) if self.kind == "dropped" else ()
 
