@@ -163,7 +163,7 @@ async def test_reset_and_e_stop_call_commands_back():
 
 
 @on_loop
-async def test_a_release_follows_the_stop_of_the_same_client_and_no_reset():
+async def test_a_release_follows_the_stop_or_the_reset_of_the_same_client():
     async with served() as link:
         client = Client(link.bench)
         client.say("advertise", topic=DRIVE, type=TWIST)
@@ -181,11 +181,12 @@ async def test_a_release_follows_the_stop_of_the_same_client_and_no_reset():
         await wait_until_async(lambda: len(link.bench.ros.published) == 2, timeout=2.0)
         assert [message.data for _, message in link.bench.ros.published] == [True, False]
         client.say("publish", topic=E_STOP, msg={"data": False})
+        client.say("publish", topic=DRIVE, msg={"linear": {"x": 1.0}})
         watch(SimStatus(resets=1, e_stop=True), None)
         await wait_until_async(lambda: client.member.dropped == 2, timeout=2.0)
         link.bench.ros.time = 102.0
-        await asyncio.sleep(0.15)
-        assert len(link.bench.ros.published) == 2
+        await wait_until_async(lambda: len(link.bench.ros.published) == 3, timeout=2.0)
+        assert link.bench.ros.published[-1][1].data is False
 
 
 @on_loop

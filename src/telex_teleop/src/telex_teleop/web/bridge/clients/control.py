@@ -158,16 +158,14 @@ class Control:
         """Note that a command of a client was not obeyed."""
         member.dropped += 1
 
-    def call_back(self, reason: str, *, releases: bool = True) -> None:
-        """Lose all commands that are under way to the robot.
+    def call_back(self, reason: str) -> None:
+        """Lose all commands that are under way to the robot, but releases of the emergency stop.
 
-        Parameters
-        ----------
-        releases
-            Whether releases of the emergency stop are lost as well.
+        Whose act the reason is may not be known: an operator's release, sent after his own stop or
+        his own reset, is still wanted.
         """
         for member in self._members:
-            member.call_back(reason, releases)
+            member.call_back(reason, False)
 
     @property
     def has_under_way(self) -> bool:

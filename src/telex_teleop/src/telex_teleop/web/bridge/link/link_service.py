@@ -197,8 +197,7 @@ class LinkService:
         if status.resets != before.resets:
             self._control.call_back("the scene was put back")
         elif status.e_stop and not before.e_stop:
-            # Whose stop it was is not known here: his own release, sent after it, stays.
-            self._control.call_back("the emergency stop was set", releases=False)
+            self._control.call_back("the emergency stop was set")
 
     def _tell(self, publisher: SharedPublisher, told: Optional[LinkState]) -> LinkState:
         """Publish the line's state if it is another than was told last; return what is told."""
