@@ -134,7 +134,7 @@ def test_settings_are_those_of_the_exercise_that_is_chosen(page):
 
 
 def test_what_is_refused_says_why(training, page):
-    why = "a trial of Slalom is running (bob); training/abort ends it"
+    why = "a trial of Slalom is running (bob); it has to be ended first"
     training.serve("open", "telex_msgs/OpenExercise", success=False, message=why)
     page.element("#exercise-operator").type("ann")
     page.element("#exercise-open").click()

@@ -636,7 +636,7 @@ export const DE = {
   "the line is not as it was before the trial: {why}": "die Leitung ist nicht wie vor dem Versuch: {why}",
   "the robot lies on its side at its start; the scene is wrong": "der Roboter liegt an seinem Start auf der Seite; die Szene ist falsch",
   "no exercise is open; training/open opens one": "keine Übung ist geöffnet; öffnen Sie erst eine",
-  "a trial of {title} is {phase} ({name}); training/abort ends it": "ein Versuch von {title} ist im Gang ({phase}, {name}); erst beenden",
+  "a trial of {title} is {phase} ({name}); it has to be ended first": "ein Versuch von {title} ist im Gang ({phase}, {name}); erst beenden",
   "operator is {name}; at most {count} printable characters are possible": "Name {name}: höchstens {count} druckbare Zeichen sind möglich",
   "replaces is '{name}'; the trial's own are replaced by age": "„{name}“ lässt sich nicht ersetzen: die Speicherpunkte des Versuchs werden nach Alter ersetzt",
   "back to '{name}': practice only, it counts for nothing": "zurück zu „{name}“: nur zum Üben, ohne Wertung",

@@ -636,7 +636,7 @@ export const FR = {
   "the line is not as it was before the trial: {why}": "la liaison n’est pas comme avant l’essai : {why}",
   "the robot lies on its side at its start; the scene is wrong": "le robot est couché à son départ ; la scène est erronée",
   "no exercise is open; training/open opens one": "aucun exercice n’est ouvert ; ouvrez-en d’abord un",
-  "a trial of {title} is {phase} ({name}); training/abort ends it": "un essai de {title} est en cours ({phase}, {name}) ; terminez-le d’abord",
+  "a trial of {title} is {phase} ({name}); it has to be ended first": "un essai de {title} est en cours ({phase}, {name}) ; terminez-le d’abord",
   "operator is {name}; at most {count} printable characters are possible": "nom {name} : {count} caractères imprimables au plus",
   "replaces is '{name}'; the trial's own are replaced by age": "« {name} » ne peut être remplacé : les points de reprise de l’essai le sont par ancienneté",
   "back to '{name}': practice only, it counts for nothing": "retour à « {name} » : entraînement uniquement, ne compte pas",

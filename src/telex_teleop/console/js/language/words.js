@@ -172,7 +172,7 @@ export const WORDS = [
   "the line is not as it was before the trial: {why}",
   "the robot lies on its side at its start; the scene is wrong",
   "no exercise is open; training/open opens one",
-  "a trial of {title} is {phase} ({name}); training/abort ends it",
+  "a trial of {title} is {phase} ({name}); it has to be ended first",
   "operator is {name}; at most {count} printable characters are possible",
   "replaces is '{name}'; the trial's own are replaced by age",
   "back to '{name}': practice only, it counts for nothing",

@@ -75,7 +75,9 @@ def forget(index: ProgressIndex, name: str, pseudonym: str = "") -> Forgotten:
     for path in files:
         # Others', too: the name may stand in them, and what is written cannot be replaced.
         if _runs(path):
-            raise PeopleError(f"{path}: this trial runs; it has to be ended first (training/abort)")
+            raise PeopleError(
+                f"{path}: this trial runs; it has to be ended first (training/call_off)"
+            )
     done = Forgotten()
     shown = pseudonym or new_pseudonym()
     for path in files:

@@ -307,7 +307,7 @@ class TrainingNode:
         if session is not None and session.begun:
             raise SessionError(
                 f"a trial of {session.exercise.title} is {session.phase} "
-                f"({session.operator or 'no name'}); training/abort ends it"
+                f"({session.operator or 'no name'}); it has to be ended first"
             )
 
     def _trigger(self, act: Callable[[Session], None]) -> None:
