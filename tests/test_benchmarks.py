@@ -8,8 +8,13 @@ import math
 from pathlib import Path
 from unittest import mock
 
+import cv2
+import numpy as np
+import pytest
+
 from telex_control.manager.controller import ControllerState
 from telex_experiments.cameras import renderer
+from telex_experiments.cameras.live import PictureClient, difference
 from telex_experiments.rigs.thread_times import ThreadTimes
 from telex_sim.scene.addresses import resolve_address
 
@@ -96,3 +101,19 @@ def test_the_recorded_scene_can_still_be_drawn():
     assert not lost, "record anew: telex_experiments.cameras.renderer.record()"
     for name in renderer.NAMES:
         assert 0.0 < recording.camera(name)[2, 3] < 3.0
+
+
+class TestPictures:
+    def test_one_of_another_size_is_compared_by_what_it_shows(self):
+        rows, columns = np.mgrid[0:480, 0:640].astype(np.float32) * 0.3
+        large = rows + columns
+        small = cv2.resize(large, (240, 180), interpolation=cv2.INTER_AREA)
+        assert difference(large, small) == pytest.approx(0.0, abs=0.1)
+        assert difference(small, large + 5.0) == pytest.approx(5.0, abs=0.1)
+
+    def test_those_of_several_sizes_are_not_at_rest(self):
+        large, small = np.zeros((480, 640), np.float32), np.zeros((180, 240), np.float32)
+        client = object.__new__(PictureClient)
+        for shown, unrest in (([large, large, small, small], math.inf), ([small] * 4, 0.0)):
+            client.next = iter((0.0, each) for each in shown).__next__
+            assert client.unrest()[0] == unrest

@@ -350,14 +350,27 @@ class PictureClient:
         return arrived, picture
 
     def unrest(self) -> Tuple[float, np.ndarray]:
-        """How much the next few pictures differ (grey levels), and the last of them."""
-        pictures = [self.next()[1] for _ in range(4)]
-        return max(difference(each, pictures[-1]) for each in pictures[:-1]), pictures[-1]
+        """How much the next few pictures differ (grey levels), and the last of them.
+
+        Those of several sizes, of which load chooses one, are not at rest.
+        """
+        *earlier, last = [self.next()[1] for _ in range(4)]
+        if any(each.shape != last.shape for each in earlier):
+            return math.inf, last
+        return max(difference(each, last) for each in earlier), last
 
 
 def difference(before: np.ndarray, after: np.ndarray) -> float:
-    """Mean difference of two pictures (grey levels), whatever the noise of single pixels."""
-    return float(np.abs(cv2.blur(after, (5, 5)) - cv2.blur(before, (5, 5))).mean())
+    """Mean difference of two pictures (grey levels), whatever the noise of single pixels.
+
+    Of two sizes, the smaller one's counts.
+    """
+    height, width = min(before.shape, after.shape)
+    first, second = (
+        cv2.blur(cv2.resize(each, (width, height), interpolation=cv2.INTER_AREA), (5, 5))
+        for each in (before, after)
+    )
+    return float(np.abs(second - first).mean())
 
 
 def command_to_picture(url: str, trials: int) -> List[float]:
@@ -376,7 +389,7 @@ def command_to_picture(url: str, trials: int) -> List[float]:
         time.sleep(STILL_AFTER)
         deadline = time.monotonic() + PATIENCE
         noise, still = client.unrest()
-        while noise > CHANGED * max(quietest, LEAST_CHANGE):
+        while math.isinf(noise) or noise > CHANGED * max(quietest, LEAST_CHANGE):
             if time.monotonic() > deadline:
                 raise MeasurementError(f"the picture does not come to rest after command {trial}")
             noise, still = client.unrest()
