@@ -126,6 +126,7 @@ def test_an_instructor_sees_the_class_gives_help_and_opens_an_exercise(stations,
     assert stations[0].sent[-1]["exercise"] == "gap"
     page.click("#order-close")
 
-    page.evaluate("location.href = document.querySelector('[data-station=s1] h2 a').href")
+    link = "document.querySelector('[data-station=s1] h2 a')"
+    page.evaluate(f"setTimeout(() => {{ location.href = {link}.href; }})")
     wait_until(lambda: page.evaluate("document.title") == "Telex instructor", "the station's page")
     assert page.evaluate("location.search") == "?role=instructor&token=sesame"
