@@ -357,6 +357,37 @@ def number(
     return checked(default, text, check, with_others)
 
 
+def number_or_zero(default: Any, text: str, zero: str, minimum: float, maximum: float) -> Any:
+    """Declare a number that is 0, or within limits, bounds included.
+
+    Parameters
+    ----------
+    default, text
+        As for `parameter`.
+    zero : str
+        What 0 stands for, for messages: "for never".
+    """
+
+    def check(config: Any, name: str) -> None:
+        value = getattr(config, name)
+        require(
+            value == 0.0 or minimum <= value <= maximum,
+            f"{name} is {value}; it must be 0, {zero}, or at least {minimum:g} and at most "
+            f"{maximum:g}",
+        )
+
+    return checked(default, text, check)
+
+
+LEAST_RATE = 1e-3
+"""Hz of sim time; what would come more seldom comes in no run."""
+
+
+def rate_or_never(default: float, text: str, maximum: float) -> Any:
+    """Declare a rate (Hz of sim time) that may be 0, for never; see `number_or_zero`."""
+    return number_or_zero(default, text, "for never", LEAST_RATE, maximum)
+
+
 def numbers(default: Any, text: str, minimum: float, maximum: float) -> Any:
     """Declare a list of numbers, each within limits, bounds included; None passes.
 

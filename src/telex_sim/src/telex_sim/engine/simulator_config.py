@@ -5,7 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 from typing import Any, Dict, Mapping, Optional, Tuple
 
-from telex_control.common.params import Declared, number, parameter, read_config, require, word
+from telex_control.common.params import (
+    LEAST_RATE,
+    Declared,
+    number,
+    parameter,
+    read_config,
+    require,
+    word,
+)
 
 from ..equipment.equipment_config import EquipmentConfig
 from ..gas.sensor_config import GasSensorConfig
@@ -19,7 +27,6 @@ from ..robot.self_collision import SelfCollisionConfig
 from ..scene.model import MOST_FURTHER
 from ..stability.force_angle import StabilityConfig
 from ..tracks.track_config import TrackConfig
-from .rates import LEAST_RATE
 
 TUNED_PERIOD = 0.002
 """Longest control period that the shipped gains are tuned for (s)."""

@@ -6,7 +6,14 @@ import re
 from dataclasses import dataclass, field
 from typing import Collection, Tuple
 
-from telex_control.common.params import Declared, checked, number, parameter, require
+from telex_control.common.params import (
+    Declared,
+    checked,
+    number,
+    number_or_zero,
+    parameter,
+    require,
+)
 
 _FINEST = 1e-6
 """Resolution of a range finder (m); of much finer ones there are too many to count."""
@@ -43,17 +50,10 @@ class RangeFinderConfig(Declared):
     field_of_view: float = number(0.002, "Angle of its beam, which it tells (rad).", 0.0, 3.14)
     noise: float = number(0.002, "Standard deviation of a reading (m),", 0.0, 10.0)
     noise_share: float = number(0.001, "and what comes to it for each metre of distance.", 0.0, 1.0)
-    resolution: float = number(
-        0.001, "Readings are multiples of it (m); 0: they are not.", 0.0, 1.0
+    resolution: float = number_or_zero(
+        0.001, "Readings are multiples of it (m); 0: they are not.", "for none", _FINEST, 1.0
     )
     seed: int = number(1, "The same seed gives the same errors.", 0)
-
-    def check(self) -> None:
-        """Check what `number` cannot say; see `Declared.check`."""
-        require(
-            self.resolution == 0.0 or self.resolution >= _FINEST,
-            f"resolution is {self.resolution}; it must be 0, for none, or at least {_FINEST:g}",
-        )
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from telex_control.common.params import Declared, number, parameter
-
-from ..engine.rates import LEAST_RATE
+from telex_control.common.params import LEAST_RATE, Declared, number, parameter
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,8 @@ from typing import Collection, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
-from telex_control.common.params import Declared, number, parameter, require, required
+from telex_control.common.params import LEAST_RATE, Declared, number, parameter, require, required
 from telex_control.common.stateful import Stateful
-
-from ..engine.rates import LEAST_RATE
 
 ROBOT = "robot"
 """Name of the hull's place among those with a history of dose."""

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from telex_control.common.params import Declared, number
-
-from ..engine.rates import rate_or_never
+from telex_control.common.params import Declared, number, rate_or_never
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Collection, Tuple
 
-from telex_control.common.params import ConfigError, Declared, number, parameter, require
-
-from ...engine.rates import rate_or_never
+from telex_control.common.params import (
+    ConfigError,
+    Declared,
+    number,
+    parameter,
+    rate_or_never,
+    require,
+)
 
 
 @dataclass(frozen=True)
