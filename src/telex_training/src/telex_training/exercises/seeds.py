@@ -120,13 +120,11 @@ def _base(exercise: Exercise, find: Callable[[str], Path]) -> Dict[str, Any]:
             near = folder / Path(base).expanduser()
             path = near if near.is_file() else find(base)
             text = path.read_text(encoding="utf-8")
+        except (ConfigError, SceneError):
+            raise
         # RuntimeError: there is no such home; ValueError: no text, or no path.
         except (OSError, RuntimeError, ValueError) as error:
-            if isinstance(error, (ConfigError, SceneError)):
-                raise
-            raise ConfigError(
-                f"scene is '{str(base)[:200]}'; it cannot be read: {error}"
-            ) from error
+            raise ConfigError(f"scene is '{base[:200]}'; it cannot be read: {error}") from error
         try:
             base = read_yaml(text, MOST_BYTES)
         except ConfigError as error:
