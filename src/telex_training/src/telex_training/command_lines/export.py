@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import csv
 import sys
-from contextlib import suppress
 from pathlib import Path
 from typing import Any, Callable, Iterator, List, Optional, Sequence
 
@@ -16,6 +15,7 @@ from ..judging.entries import NAMES, TRUTH, BadEntryError, decode
 from ..judging.truth import read_sample
 from ..recording.reader import Recording, read_recording
 from ..recording.writer import RecordingError
+from .drafts import draft_of
 
 _LATEST = 2.0**32
 """Seconds that a time of ROS can have."""
@@ -71,20 +71,10 @@ def _export(file: Path, output: Path, bag: bool) -> None:
     recording = read_recording(file)
     if output.exists():
         raise RecordingError(f"{output}: it exists already; another name is needed (-o)")
-    count = _write(write_bag if bag else write_csv, recording, output)
-    print(f"{output}: {count} {'messages' if bag else 'samples'}")
-
-
-def _write(write: Callable[[Recording, Path], int], recording: Recording, output: Path) -> int:
-    """Write to a file that takes its name once it is complete; returns the rows or messages."""
-    draft = output.with_name(f".{output.name}.draft")
-    try:
+    write: Callable[[Recording, Path], int] = write_bag if bag else write_csv
+    with draft_of(output) as draft:
         count = write(recording, draft)
-        draft.replace(output)
-    finally:
-        with suppress(OSError):
-            draft.unlink()
-    return count
+    print(f"{output}: {count} {'messages' if bag else 'samples'}")
 
 
 def write_bag(recording: Recording, path: Path) -> int:

@@ -30,6 +30,7 @@ from ..progress.skill import skills
 from ..progress.trial_facts import TrialFacts
 from ..recording.trial_file import FOLDER, safe_name
 from ..recording.writer import RecordingError
+from .drafts import draft_of
 
 
 class CommandError(ValueError):
@@ -287,17 +288,12 @@ def _write(index: ProgressIndex, output: Optional[str], name: str, text: str) ->
     if output == "-":
         sys.stdout.write(text)
         return 0
-    path = draft = Path(output or index.folder / EXPORTS / name)
-    if not output:  # which may name a pipe
+    path = Path(output or index.folder / EXPORTS / name)
+    if not output:
         path.parent.mkdir(mode=0o700, exist_ok=True)
-        draft = path.with_name(f".{path.name}.draft")
-    try:
-        with draft.open("w", encoding="utf-8", newline="") as file:
-            file.write(text)
-        draft.replace(path)
-    finally:
-        if draft != path:
-            with contextlib.suppress(OSError):
-                draft.unlink()
+    # What was given may name a pipe, which a draft would replace.
+    target = contextlib.nullcontext(path) if output else draft_of(path)
+    with target as written, written.open("w", encoding="utf-8", newline="") as file:
+        file.write(text)
     print(path)
     return 0
