@@ -5,6 +5,9 @@ from __future__ import annotations
 import importlib.machinery
 import importlib.util
 import math
+import os
+import subprocess
+import sys
 from pathlib import Path
 from unittest import mock
 
@@ -101,6 +104,33 @@ def test_the_recorded_scene_can_still_be_drawn():
     assert not lost, "record anew: telex_experiments.cameras.renderer.record()"
     for name in renderer.NAMES:
         assert 0.0 < recording.camera(name)[2, 3] < 3.0
+
+
+def test_the_recorded_scene_is_drawn_where_there_is_neither_ros_nor_a_workspace():
+    """As docs/engineer/cameras.md tells for a machine that has a graphics card and nothing else."""
+    names = ("telex_control", "telex_sim", "telex_training", "telex_experiments")
+    src = BENCHMARKS.parent / "src"
+    script = (
+        "import sys\n"
+        "for name in ('rospy', 'roslib', 'genpy', 'std_msgs', 'sensor_msgs', 'telex_msgs'):\n"
+        "    sys.modules[name] = None\n"
+        "from telex_experiments.cameras import radiation, renderer\n"
+        "print(len(renderer.RobotViews(renderer.NAMES, renderer.SMALL)))\n"
+    )
+    kept = {name: os.environ[name] for name in ("HOME", "PATH")}
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        env={
+            **kept,
+            "ROS_PACKAGE_PATH": str(src),
+            "PYTHONPATH": os.pathsep.join(str(src / name / "src") for name in names),
+        },
+        stdout=subprocess.PIPE,
+        text=True,
+        check=True,
+        timeout=60,
+    )
+    assert done.stdout.split()[-1] == "6"
 
 
 class TestPictures:

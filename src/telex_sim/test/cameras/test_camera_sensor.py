@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import tracemalloc
 from dataclasses import replace
 
@@ -19,7 +20,13 @@ from telex_sim.cameras.drawing.quality import TIERS
 from telex_sim.cameras.drawing.renderer import Renderer
 from telex_sim.cameras.optics.camera_sensor import CameraSensor
 from telex_sim.cameras.optics.exposure import ExposureConfig, ExposureControl, exposure_factor
-from telex_sim.cameras.optics.lens import NO_DISTORTION, DistortionError, LensCamera, LensMap
+from telex_sim.cameras.optics.lens import (
+    NO_DISTORTION,
+    DistortionError,
+    LensCamera,
+    LensMap,
+    bending_threads,
+)
 from telex_sim.cameras.optics.noise import RadiationConfig, SensorNoise
 from telex_sim.cameras.ros.messages import camera_info_message
 from telex_sim.cameras.ros.overview_rig import OverviewRig
@@ -208,6 +215,16 @@ class TestLens:
     def test_what_no_lens_can_do(self, distortion):
         with pytest.raises(DistortionError, match=r"^distortion \["):
             LensCamera.of_field(640, 480, 1.5708, distortion, 0.1, 50.0)
+
+    @pytest.mark.parametrize(
+        ("on_card", "processors", "threads"),
+        [(False, 16, 1), (True, 1, 1), (True, 2, 1), (True, 4, 2), (True, 16, 4)],
+    )
+    def test_several_threads_bend_pictures_where_a_graphics_card_draws(
+        self, monkeypatch, on_card, processors, threads
+    ):
+        monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(processors)))
+        assert bending_threads(on_card) == threads
 
 
 class TestExposure:

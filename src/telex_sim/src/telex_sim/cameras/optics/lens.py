@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from dataclasses import dataclass
 from typing import Tuple
 
@@ -28,6 +29,10 @@ _RESIDUAL = 1e-3
 
 # Pixels that the wider picture has beyond the last one that the lens shows, for interpolation.
 _MARGIN = 2
+
+
+# Most threads that bend one picture; with more, most of the time goes with waiting for each other.
+_MOST_THREADS = 4
 
 
 class DistortionError(ValueError):
@@ -162,6 +167,15 @@ class LensCamera:
         border += [(u, v) for u in (columns[0], columns[-1]) for v in rows]
         reach = np.abs(self.rays(np.array(border))).max(axis=0)
         return float(reach[0]), float(reach[1])
+
+
+def bending_threads(on_card: bool) -> int:
+    """Choose how many threads OpenCV may bend pictures with.
+
+    Where a graphics card draws, bending takes longest, and half of the processors may help. Without
+    one, the others are needed by the physics.
+    """
+    return min(max(1, len(os.sched_getaffinity(0)) // 2), _MOST_THREADS) if on_card else 1
 
 
 def drawn_size(camera: LensCamera, detail: float) -> Tuple[int, int]:

@@ -29,6 +29,7 @@ from ..drawing.quality import choose_quality
 from ..drawing.renderer import Renderer
 from ..optics.camera_sensor import CameraSensor
 from ..optics.exposure import exposure_factor
+from ..optics.lens import bending_threads
 from .camera_topics import CameraStream, StreamView, Wanted
 from .frame_pacer import next_due
 from .robot_cameras import RobotCameras
@@ -338,8 +339,7 @@ def main() -> None:
     try:
         config = read_config(CamerasConfig, rospy.get_param("~", {}), rospy.get_name())
         add_niceness(_niceness(config))
-        # OpenCV and Mesa would otherwise start a thread for each core, which the physics needs.
-        cv2.setNumThreads(1)
+        # Mesa would otherwise start a thread for each core, which the physics needs.
         os.environ.setdefault("LP_NUM_THREADS", str(config.software_threads))
         node = CamerasNode(config, make_renderer)
     except (ConfigError, NoContextError) as error:
@@ -365,10 +365,13 @@ def make_renderer(config: CamerasConfig) -> Renderer:
     context = create_context(config.egl_device)
     name = context.info["GL_RENDERER"]
     rospy.loginfo("rendering with %s, quality %s", name, config.quality)
-    return Renderer(
+    renderer = Renderer(
         context,
         choose_quality(config.quality, name),
         replace(Lighting(), shadow_radius=config.shadow_radius),
         package_path,
         shared_store(),
     )
+    # OpenCV, too, would otherwise start a thread for each core.
+    cv2.setNumThreads(bending_threads(renderer.on_card))
+    return renderer
