@@ -2,9 +2,10 @@
 /** One or two large views, and a small one for each of the other cameras; their pictures are drawn by the video worker. */
 
 import { decimal, term, text, translated } from "./language.js";
+import { lineDelay } from "./line.js";
 import { setText } from "./panels.js";
 
-export const STALLED_AFTER = 1000; // ms without a new picture after which a view counts as stalled
+export const STALLED_AFTER = 1000; // ms without a new picture, or by which a scene is older than the line makes it, after which a view counts as stalled
 
 const THUMBNAIL_WIDTH = 208; // CSS px; they are hardly ever shown larger
 const SCENE_WITHIN = 10_000; // ms after which the first picture of another scene is not waited for any longer
@@ -47,8 +48,10 @@ export class ViewState {
     return Date.now() - Math.min(this._report.drawn, this._report.captured ?? Infinity);
   }
 
+  /** Whether pictures come, of a scene that is no older than the line makes it. */
   get live() {
-    return this.age < STALLED_AFTER;
+    const since = Date.now() - (this._report?.drawn ?? -Infinity);
+    return since < STALLED_AFTER && this.age < STALLED_AFTER + lineDelay();
   }
 
   /** How old the scene was (ms) when it was drawn; null where only its picture's arrival is known. */
