@@ -7,7 +7,7 @@ import { test } from "node:test";
 import { bookmarksOf } from "../../console/js/training/instructor_bookmarks.js";
 import { addressOf, clockText } from "../../console/js/training/client.js";
 import { offered } from "../../console/js/training/bookmarks.js";
-import { noteOf, repetitionText, stepText } from "../../console/js/training/strip.js";
+import { noteOf, repetitionText, sheetAddress, stepText } from "../../console/js/training/strip.js";
 import { tellTelemetry } from "../../console/js/training/telemetry.js";
 
 const STATE = /** @type {any} */ ({
@@ -68,6 +68,13 @@ test("an address takes token and role along, and nothing else", () => {
   const given = new URLSearchParams("token=a%26b&role=instructor&name=eve&debug=1");
   assert.equal(addressOf("/training/x", given, { trial: "t 1" }), "/training/x?trial=t+1&token=a%26b&role=instructor");
   assert.equal(addressOf("/training/x", new URLSearchParams()), "/training/x");
+});
+
+test("a sheet is read under the operator's name, and by an instructor under his own", () => {
+  const state = { ...STATE, trial: "t1", operator: "Ann" };
+  assert.equal(sheetAddress(state, new URLSearchParams("token=T&name=Bob")), "/training/sheet.html?trial=t1&name=Ann&token=T");
+  const eve = new URLSearchParams("token=T&role=instructor&name=Eve");
+  assert.equal(sheetAddress(state, eve), "/training/sheet.html?trial=t1&name=Eve&token=T&role=instructor");
 });
 
 test("what the operator sees is told, with the aids that are on where the page has any", () => {

@@ -51,7 +51,7 @@ export class TrainingStrip {
     press("training-give-up", () => this._act("abort"));
     // Held keys stay held: asking changes nothing on the robot.
     press("training-help", () => this._client.act("help", { data: !this._state?.help }));
-    press("training-sheet", () => window.open(this.sheetAddress, "_blank"));
+    press("training-sheet", () => window.open(sheetAddress(/** @type {State} */ (this._state), this._given), "_blank"));
   }
 
   start() {
@@ -63,12 +63,6 @@ export class TrainingStrip {
     // Robot and scene are put back: held keys must not go on after it.
     this._letGo(text("the exercise"));
     this._client.act(name);
-  }
-
-  /** Where the sheet of this trial is shown. */
-  get sheetAddress() {
-    const state = /** @type {State} */ (this._state);
-    return addressOf("/training/sheet.html", this._given, { trial: state.trial, name: state.operator });
   }
 
   /** @param {State} state */
@@ -162,6 +156,17 @@ function build(strip) {
   );
   const failing = part("div", "malfunctions", "training-malfunctions", "status");
   strip.replaceChildren(line, failing, part("div", "hint", "training-hint", "status"), part("div", "questions", "training-questions"));
+}
+
+/**
+ * Where the sheet of a trial is shown.
+ * @param {State} state
+ * @param {URLSearchParams} given  What this page's address says.
+ */
+export function sheetAddress({ trial, operator }, given) {
+  // An instructor reads it under a name of his own: notes to the replay that it leads to bear it.
+  const name = given.get("role") === "instructor" ? given.get("name") ?? "" : operator;
+  return addressOf("/training/sheet.html", given, { trial, name });
 }
 
 /** @param {State} state */
