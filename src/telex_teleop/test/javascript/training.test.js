@@ -4,10 +4,11 @@
 import { paced } from "./browser.js";
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { nextLanguage } from "../../console/js/language.js";
 import { bookmarksOf } from "../../console/js/training/instructor_bookmarks.js";
 import { addressOf, clockText } from "../../console/js/training/client.js";
 import { offered } from "../../console/js/training/bookmarks.js";
-import { noteOf, repetitionText, sheetAddress, stepText } from "../../console/js/training/strip.js";
+import { malfunctionsText, noteOf, repetitionText, sheetAddress, stepText } from "../../console/js/training/strip.js";
 import { tellTelemetry } from "../../console/js/training/telemetry.js";
 
 const STATE = /** @type {any} */ ({
@@ -35,6 +36,17 @@ test("hints are for practice, and what went wrong comes first", () => {
   assert.equal(noteOf({ ...STATE, phase: "between", results: ["passed", "tipped"] }), "fault: tipped");
   assert.equal(noteOf({ ...STATE, phase: "ended", verdict: "passed" }), "PASSED: see the sheet");
   assert.equal(noteOf({ ...STATE, phase: "ended" }), "no verdict: see the sheet");
+});
+
+test("what has failed is said in the language that is shown", () => {
+  assert.equal(malfunctionsText({ ...STATE, malfunctions: [] }), "");
+  const failing = { ...STATE, malfunctions: ["x", "y"] };
+  assert.equal(malfunctionsText(failing), "Malfunction: x · y");
+  nextLanguage();
+  assert.equal(malfunctionsText(failing), "Störung: x · y");
+  nextLanguage();
+  assert.equal(malfunctionsText(failing), "Panne\u00a0: x · y");
+  nextLanguage();
 });
 
 test("what goes on from a bookmark is told to be practice only", () => {

@@ -483,6 +483,7 @@ export const DE = {
   "{ready} · first: {step}": "{ready} · zuerst: {step}",
   "no verdict: see the sheet": "kein Urteil: siehe Bogen",
   "{verdict}: see the sheet": "{verdict}: siehe Bogen",
+  "Malfunction: {names}": "Störung: {names}",
   "done, as practice only": "geschafft, nur zum Üben",
   "fault: {fault}; practice only": "Fehler: {fault}; nur zum Üben",
   "fault: {fault}": "Fehler: {fault}",

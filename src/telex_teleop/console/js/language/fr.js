@@ -483,6 +483,7 @@ export const FR = {
   "{ready} · first: {step}": "{ready} · d’abord : {step}",
   "no verdict: see the sheet": "sans verdict : voir la fiche",
   "{verdict}: see the sheet": "{verdict} : voir la fiche",
+  "Malfunction: {names}": "Panne : {names}",
   "done, as practice only": "fait, pour l’entraînement uniquement",
   "fault: {fault}; practice only": "faute : {fault} ; entraînement uniquement",
   "fault: {fault}": "faute : {fault}",

@@ -81,7 +81,7 @@ export class TrainingStrip {
     setText(byId("training-limit"), state.trial_limit > 0 && state.phase !== "ready" ? text("trial {time} left", { time: clockText(state.trial_limit - state.trial_elapsed) }) : "");
     setText(byId("training-step"), stepText(state));
     setText(byId("training-faults"), state.faults.length === 0 ? "" : `! ${state.faults.map(translated).join(", ")}`);
-    setText(byId("training-malfunctions"), state.malfunctions.map(translated).join(" · "));
+    setText(byId("training-malfunctions"), malfunctionsText(state));
     setText(byId("training-hint"), noteOf(state));
     this._showButtons(state);
     this.bookmarks.show(state);
@@ -182,6 +182,11 @@ export function stepText({ steps, steps_done: done, phase }) {
   if (!["waiting", "running"].includes(phase) || next < 0) return text(PHASES[phase] ?? "");
   const made = done.filter(Boolean).length;
   return phase === "waiting" ? text("{ready} · first: {step}", { ready: text(PHASES.waiting), step: translated(steps[next]) }) : `${made + 1}/${steps.length} ${translated(steps[next])}`;
+}
+
+/** What has failed as far as the trainee is told. @param {State} state */
+export function malfunctionsText({ malfunctions }) {
+  return malfunctions.length === 0 ? "" : text("Malfunction: {names}", { names: malfunctions.map(translated).join(" · ") });
 }
 
 /** What is said under the strip: what went wrong before what helps. @param {State} state */
