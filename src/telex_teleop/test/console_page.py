@@ -30,6 +30,20 @@ return new Promise((done) => { other.onopen = () => done(true); });
 """
 """Opens, in a page, a connection of somebody else, who can ask for control."""
 
+DEAD_NETWORK = """
+const send = WebSocket.prototype.send;
+let socket, isDead = true;
+WebSocket.prototype.send = function (text) {
+  socket = this;
+  if (!isDead) send.call(this, text);
+};
+window.revive = () => {
+  isDead = false;
+  socket.close();
+};
+"""
+"""Lets a page's bridge hear nothing more of it, until its revive() ends that connection."""
+
 SHIFT = 8
 """Of the keys that are down while a mouse is used."""
 

@@ -8,6 +8,7 @@ import { Bridge } from "./bridge.js";
 import { onClick } from "./buttons.js";
 import { Cameras } from "./cameras.js";
 import { locateBridge, waitForConfig } from "./config.js";
+import { EmergencyStop } from "./emergency_stop.js";
 import { FadingTexts } from "./fading.js";
 import { Arranging } from "./instructor/arranging/arranging.js";
 import { ExamList } from "./instructor/exam_list.js";
@@ -80,6 +81,7 @@ async function start() {
   const bridge = new Bridge(() => locateBridge(given), {
     opened: () => {
       status.log(text("connected"));
+      estop.connected();
       roster.connected();
       scenes.list();
       exercises.list();
@@ -91,9 +93,11 @@ async function start() {
       roster.disconnected();
       status.setLinkBand(text("Connection lost. Reconnecting …"));
       status.log(text("connection lost: {reason}", { reason: translated(reason) }), "alarm");
+      estop.lost();
     },
     refused: (sentence) => status.warn(text("bridge: {sentence}", { sentence: translated(sentence) })),
   });
+  const estop = new EmergencyStop(bridge, topic("e_stop"), (sentence) => status.warn(sentence, "alarm"));
   const robot = new RobotClient(bridge, topic, log, warn);
   const roster = new Roster(robot);
   const scenes = new SceneChooser(robot, () => cameras.newScene());
@@ -119,9 +123,6 @@ async function start() {
   let sim = null;
 
   const call = (/** @type {string} */ service, args = {}) => robot.request(service, args, (why) => `${service}: ${why}`);
-  const setEstop = (/** @type {boolean} */ data) => {
-    if (!bridge.publish(topic("e_stop"), { data })) status.warn(text("not connected: e-stop was NOT sent"), "alarm");
-  };
 
   onClick(byId("pause"), () => call(sim?.paused ? "sim/unpause" : "sim/pause"));
   onClick(byId("step"), () => call("sim/step", { steps: Math.round(STEP / (sim?.step_size || 0.002)) }));
@@ -129,12 +130,12 @@ async function start() {
     if (await ask(text("Reset the scene? The robot and everything else go back to where they began."), text("reset"))) call("sim/reset");
   });
   const stopAll = () => {
-    setEstop(true);
+    estop.set(true);
     robots.stopAll();
   };
   onClick(byId("estop"), stopAll);
   onClick(byId("release"), async () => {
-    if (await ask(text("Release the e-stop? The robot obeys again, with the next new press."), text("release e-stop"))) setEstop(false);
+    if (await ask(text("Release the e-stop? The robot obeys again, with the next new press."), text("release e-stop"))) estop.set(false);
   });
   window.addEventListener("keydown", (event) => {
     if (event.key === "Escape" && !event.repeat) stopAll();
@@ -142,7 +143,7 @@ async function start() {
   const link = /** @type {HTMLAnchorElement} */ (byId("console-link"));
   link.href = `/?${given}`;
 
-  bridge.advertise(topic("e_stop"), TYPES.bool, { latch: true });
+  estop.advertise();
   const line = new Line((sentence, level) => status.log(sentence, level));
   robot.subscribe(LINK_STATE.topic, LINK_STATE.type, (message) => {
     line.hear(message);
@@ -150,6 +151,7 @@ async function start() {
   });
   robot.subscribe("sim/status", TYPES.simStatus, (message) => {
     sim = message;
+    estop.hear(message);
     if (status.isOtherWorld(message)) cameras.newScene();
     status.setSim(message);
     scenes.setStatus(message);

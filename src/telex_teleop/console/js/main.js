@@ -15,6 +15,7 @@ import { COMMAND_PERIOD, Commander } from "./commander.js";
 import { locateBridge, waitForConfig } from "./config.js";
 import { ControlView } from "./control.js";
 import { browserHangs, keepPace, watchOperator } from "./deadman.js";
+import { EmergencyStop } from "./emergency_stop.js";
 import { FadingTexts } from "./fading.js";
 import { GamepadInput } from "./gamepad.js";
 import { GAS, GasView } from "./gas.js";
@@ -135,6 +136,7 @@ class Console {
     this._cameras = startCameras(config, facts);
     // What speaks to the robot.
     this._bridge = this._makeBridge();
+    this._estop = new EmergencyStop(this._bridge, topic("e_stop"), (sentence) => this._status.warn(sentence, "alarm"));
     const robot = new RobotClient(this._bridge, topic, (sentence) => this._status.log(sentence), warn);
     const congested = () => this._commander.congested;
     this._commander = new Commander(vocabulary, this._bridge, topic, warn, facts);
@@ -339,14 +341,14 @@ class Console {
   /** @param {boolean} data  Whether to stop. */
   _setEstop(data) {
     this._release();
-    const sent = this._bridge.publish(this._topic("e_stop"), { data });
-    if (!sent) this._status.warn(text("not connected: e-stop was NOT sent"), "alarm");
+    this._estop.set(data);
   }
 
   // ---- the connection
 
   _connected() {
     this._status.log(text("connected"));
+    this._estop.connected();
     this._control.connected();
     this._aids.connected();
     this._askWhatItIs();
@@ -377,13 +379,14 @@ class Console {
     this._status.forgetSim();
     this._status.setLinkBand(text("Connection lost. Everything is released. Reconnecting …"));
     this._status.log(text("connection lost, everything is released: {reason}", { reason: translated(reason) }), "alarm");
+    this._estop.lost();
   }
 
   _advertise() {
     this._commander.advertise();
     this._toolCommander.advertise();
     this._lamps.advertise();
-    this._bridge.advertise(this._topic("e_stop"), TYPES.bool, { latch: true, urgent: true });
+    this._estop.advertise();
   }
 
   /**
@@ -479,6 +482,7 @@ class Console {
         this._map.forget();
       }
       this._map.hearStatus(sim);
+      this._estop.hear(sim);
       status.setSim(sim);
       // What was held before must not go on after it.
       if (status.paused && !wasPaused) this._letGo(text("the simulation is paused"));

@@ -10,7 +10,7 @@ import time
 
 import numpy as np
 import pytest
-from console_page import NOTHING, OTHER, page, robot, ros
+from console_page import DEAD_NETWORK, NOTHING, OTHER, page, robot, ros
 from waiting import wait_until
 from web_robot import (
     ARM,
@@ -1053,6 +1053,25 @@ def test_estop_lets_go_and_holds_until_it_is_released(robot, page):
     page.press("Space")
     assert robot.is_quiet(ESTOP, 0.2)
     assert robot.heard(ESTOP) == [{"data": True}]
+
+
+def test_an_e_stop_that_a_dead_network_took_is_sent_again(robot, page):
+    page.script(DEAD_NETWORK)
+    page.press("Escape")
+    assert robot.is_quiet(ESTOP, 0.2)
+    page.script("revive()")
+    assert robot.wait_for(ESTOP) == [{"data": True}]
+    assert "e-stop was NOT sent" in page.text("log")
+    robot.publish_sim(e_stop=True)
+    wait_until(lambda: page.element("#estop-band").is_displayed())
+    # Once the simulator has said so, it is done with, whoever releases it.
+    robot.publish_sim()
+    wait_until(lambda: not page.element("#estop-band").is_displayed())
+    robot.forget()
+    page.script("revive()")
+    wait_until(lambda: page.attribute("link", "data-state") == "lost")
+    wait_until(lambda: page.attribute("link", "data-state") == "up", timeout=15.0)
+    assert robot.is_quiet(ESTOP, 0.2)
 
 
 def test_paused_and_silent_simulator(robot, page):

@@ -10,7 +10,7 @@ import axe
 import numpy as np
 import pytest
 import simplejpeg
-from console_page import NOTHING, OTHER, SHIFT
+from console_page import DEAD_NETWORK, NOTHING, OTHER, SHIFT
 from instructor_page import (
     HALL,
     START,
@@ -229,6 +229,16 @@ def test_the_e_stop_is_set_at_once_and_released_once_that_is_confirmed(simulator
     assert robot.wait_for(ESTOP, 2)[-1] == {"data": False}
     simulator.tell()
     wait_until(lambda: not page.element("#estop-band").is_displayed())
+
+
+def test_an_e_stop_that_a_dead_network_took_is_sent_again(robot, page):
+    robot.forget()
+    page.script(DEAD_NETWORK)
+    page.press("Escape")
+    assert robot.is_quiet(ESTOP, 0.2)
+    page.script("revive()")
+    assert robot.wait_for(ESTOP) == [{"data": True}]
+    assert "e-stop was NOT sent" in page.text("log")
 
 
 def row(page, name):

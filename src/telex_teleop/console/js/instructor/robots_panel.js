@@ -4,6 +4,7 @@
 import { Bridge } from "../bridge.js";
 import { makeButton } from "../buttons.js";
 import { locateBridge } from "../config.js";
+import { EmergencyStop } from "../emergency_stop.js";
 import { text, translated } from "../language.js";
 import { byId, element, setText } from "../panels.js";
 import { TYPES } from "../robot.js";
@@ -17,8 +18,6 @@ class OtherRobot {
    * @param {(sentence: string, level?: "info" | "warning" | "alarm") => void} log
    */
   constructor(name, given, log) {
-    this._name = name;
-    this._log = log;
     this._estopped = false;
     this._driver = "";
     const asked = new URLSearchParams(given);
@@ -29,22 +28,28 @@ class OtherRobot {
     link.href = `/instructor?${asked}`;
     link.textContent = name;
     this._state = element("span", "num", "");
-    this._release = makeButton(text("release e-stop"), () => this.setEstop(false));
+    this._release = makeButton(text("release e-stop"), () => this.estop.set(false));
     this._release.tabIndex = -1;
     this.row.append(link, " ", this._state, " ", this._release);
     this._bridge = new Bridge(() => locateBridge(asked), {
-      opened: () => this._show(),
+      opened: () => {
+        this.estop.connected();
+        this._show();
+      },
       lost: (reason) => {
         log(`${name}: ${text("connection lost: {reason}", { reason: translated(reason) })}`, "alarm");
+        this.estop.lost();
         this._driver = "";
         this._show();
       },
       refused: (sentence) => log(`${name}: ${translated(sentence)}`, "warning"),
     });
-    this._bridge.advertise(`/${name}/e_stop`, TYPES.bool, { latch: true });
+    this.estop = new EmergencyStop(this._bridge, `/${name}/e_stop`, (sentence) => log(`${name}: ${sentence}`, "alarm"));
+    this.estop.advertise();
     this._bridge.subscribe({
-      topic: `/${name}/sim/status`, type: TYPES.simStatus, throttle: 0, heard: ({ e_stop: estopped }) => {
-        this._estopped = estopped;
+      topic: `/${name}/sim/status`, type: TYPES.simStatus, throttle: 0, heard: (status) => {
+        this.estop.hear(status);
+        this._estopped = status.e_stop;
         this._show();
       },
     });
@@ -57,13 +62,6 @@ class OtherRobot {
     });
     this._show();
     this._bridge.start();
-  }
-
-  /** @param {boolean} data */
-  setEstop(data) {
-    if (!this._bridge.publish(`/${this._name}/e_stop`, { data })) {
-      this._log(`${this._name}: ${text("not connected: e-stop was NOT sent")}`, "alarm");
-    }
   }
 
   _show() {
@@ -90,6 +88,6 @@ export class RobotsPanel {
 
   /** Stop the other robots as well. */
   stopAll() {
-    for (const other of this._others) other.setEstop(true);
+    for (const other of this._others) other.estop.set(true);
   }
 }
