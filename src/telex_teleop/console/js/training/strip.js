@@ -20,7 +20,10 @@ const MARKS = /** @type {Record<string, string>} */ ({ passed: "✔" });
 
 /** @typedef {import("./client.js").State} State */
 
-/** The same on every page that has a `<section id="training">`. */
+/**
+ * The same on every page that has a `<section id="training">`. With `data-watched` whoever is at the
+ * page is not the trainee, and does nothing in his name.
+ */
 export class TrainingStrip {
   /**
    * @param {import("./client.js").TrainingClient} client
@@ -31,6 +34,7 @@ export class TrainingStrip {
     this._client = client;
     this._given = given;
     this._letGo = letGo;
+    this._isWatched = byId("training").dataset.watched === "true";
     this._asked = "";
     /** @type {State | null} */
     this._state = null;
@@ -90,9 +94,10 @@ export class TrainingStrip {
 
   /** @param {State} state */
   _showButtons({ phase, valid, invalid_because, help }) {
-    const shown = { start: phase === "ready", again: ["waiting", "running", "between"].includes(phase), sheet: phase === "ended" };
+    const goesOn = ["waiting", "running", "between"].includes(phase);
+    const shown = { start: phase === "ready", again: goesOn && !this._isWatched, sheet: phase === "ended" };
     for (const [name, visible] of Object.entries(shown)) byId(`training-${name}`).hidden = !visible;
-    byId("training-give-up").hidden = ["ready", "ended"].includes(phase);
+    byId("training-give-up").hidden = ["ready", "ended"].includes(phase) || this._isWatched;
     const helpButton = byId("training-help");
     helpButton.hidden = phase === "ended" && !help;
     helpButton.setAttribute("aria-pressed", String(help));
@@ -114,6 +119,7 @@ export class TrainingStrip {
 
   /** @param {State["questions"][number]} question */
   _question({ name, ask, choices }) {
+    if (this._isWatched) return element("div", "", `${translated(ask)} ${choices.map(choiceText).join(", ")}`);
     const line = element("form"), label = element("label", "", translated(ask));
     line.append(label);
     const answer = (/** @type {string} */ words) => this._client.act("answer", { question: name, answer: words });

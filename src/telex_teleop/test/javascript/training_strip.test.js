@@ -1,0 +1,116 @@
+// @ts-check
+/** What the strip of an exercise lets trainee and instructor do. */
+
+import "./browser.js";
+import assert from "node:assert/strict";
+import { beforeEach, test } from "node:test";
+import { TrainingStrip } from "../../console/js/training/strip.js";
+
+/** What the page has, by ids. @type {Map<string, any>} */
+const page = new Map();
+/** @param {string} id @returns {any} */
+const get = (id) => page.get(id) ?? page.set(id, new FakeElement("")).get(id);
+
+class FakeElement {
+  /** @param {string} tag */
+  constructor(tag) {
+    Object.assign(this, { dataset: {}, hidden: false, textContent: "", value: "" });
+    this.tag = tag;
+    /** @type {any[]} */
+    this.children = [];
+    /** @type {Record<string, () => void>} */
+    this._listeners = {};
+  }
+
+  /** @param {string} id */
+  set id(id) {
+    page.set(id, this);
+  }
+
+  setAttribute() {}
+
+  /** @param {any[]} children */
+  append(...children) {
+    this.children.push(...children);
+  }
+
+  /** @param {any[]} children */
+  replaceChildren(...children) {
+    this.children = children;
+  }
+
+  /** @param {string} kind @param {() => void} hear */
+  addEventListener(kind, hear) {
+    this._listeners[kind] = hear;
+  }
+
+  click() {
+    this._listeners.click();
+  }
+
+  /** Tags of all that is in it. @returns {string[]} */
+  get tags() {
+    return this.children.flatMap((child) => (typeof child === "string" ? [] : [child.tag, ...child.tags]));
+  }
+}
+
+Object.assign(globalThis, {
+  Option: FakeElement,
+  document: { createElement: (/** @type {string} */ tag) => new FakeElement(tag), getElementById: get },
+});
+
+const STATE = /** @type {any} */ ({
+  trial: "t1", title: "Ring", setting: "standard", mode: "exam", operator: "ann", valid: true, invalid_because: [], repetition: 1,
+  repetitions: 3, from_bookmark: "", bookmarks: [], results: [], elapsed: 0, penalty: 0, trial_elapsed: 0, trial_limit: 0,
+  steps: ["look"], steps_done: [false], faults: [], malfunctions: [], hint: "", message: "", help: false, verdict: "",
+  questions: [
+    { name: "ring", ask: "Where is it open?", choices: ["up", "down"], answered: false },
+    { name: "gauge", ask: "What does it show?", choices: [], answered: false },
+  ],
+});
+
+/** @type {string[]} */
+const asked = [];
+
+/** Show a phase. @param {string} phase  @param {boolean} isWatched */
+function show(phase, isWatched) {
+  if (isWatched) get("training").dataset.watched = "true";
+  const client = /** @type {any} */ ({ act: (/** @type {string} */ name) => asked.push(name) });
+  new TrainingStrip(client, new URLSearchParams(), () => {}).show({ ...STATE, phase });
+}
+
+/** Names of the buttons that are there. */
+const shown = () => ["start", "again", "give-up", "sheet"].filter((name) => !get(`training-${name}`).hidden);
+
+beforeEach(() => {
+  page.clear();
+  asked.length = 0;
+});
+
+test("a trainee can do again, give up and answer", () => {
+  show("running", false);
+  assert.deepEqual(shown(), ["again", "give-up"]);
+  const questions = get("training-questions").children;
+  assert.deepEqual(questions.map(({ tags }) => tags), [["label", "button", "button"], ["label", "input"]]);
+  questions[0].children[1].click();
+  assert.deepEqual(asked, ["answer"]);
+});
+
+test("who watches reads the questions, and can do nothing that counts for the trainee", () => {
+  for (const phase of ["preparing", "waiting", "running", "between"]) {
+    show(phase, true);
+    assert.deepEqual(shown(), [], phase);
+  }
+  show("running", true);
+  const questions = get("training-questions").children;
+  assert.deepEqual(questions.map(({ tag, tags, textContent }) => [tag, tags, textContent]), [
+    ["div", [], "Where is it open? up, down"], ["div", [], "What does it show? "],
+  ]);
+});
+
+test("who watches can start a trial and open its sheet", () => {
+  show("ready", true);
+  assert.deepEqual(shown(), ["start"]);
+  show("ended", true);
+  assert.deepEqual(shown(), ["sheet"]);
+});
