@@ -109,6 +109,22 @@ def test_actions_are_what_was_commanded(
     assert found[led[:-1]] == pytest.approx(moved[led[:-1]][:, columns], abs=1e-3)
 
 
+def test_motion_is_measured_over_the_time_between_the_samples(
+    recorded: Path, found: Tuple[Replay, CommandVector, List[Episode]]
+) -> None:
+    replay, vector, _ = found
+    (episode,) = episodes(read_recording(recorded), replay, vector, 30.0)
+    apart = np.diff([moment.time for moment in episode.moments])
+    assert apart.max() > 1.5 * apart.min()  # the truth comes every 20 ms
+    joint = "front_left_flipper_joint"
+    moved = np.diff(episode.states[:, 7 + vector.joints.index(joint)]) / apart
+    (number,) = (i for i, rate in enumerate(vector.rates) if rate.key == joint)
+    led = (episode.states[:-1, 0] > 0.65) & (np.abs(moved) > 0.1)
+    assert led.sum() > 10
+    limited = np.clip(moved[led], -vector.most[number], vector.most[number])
+    assert episode.actions[:-1, number][led] == pytest.approx(limited, rel=1e-3)
+
+
 def test_moments_are_drawn_again(found: Tuple[Replay, CommandVector, List[Episode]]) -> None:
     replay, _, (episode,) = found
     moments = [episode.moments[0], episode.moments[-1]]

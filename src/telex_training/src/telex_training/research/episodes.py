@@ -157,7 +157,9 @@ def _episode(replay: Replay, vector: CommandVector, frames: _Frames, period: flo
     count = len(frames.actions)
     moments = [timeline.moment(frames.begin + i * period) for i in range(count + 1)]
     states = np.array([_state(replay, vector, moment) for moment in moments])
-    measured = np.diff(states, axis=0) / period
+    # States are those of the truth's samples, which may be nearer or further apart than frames.
+    apart = np.diff([moment.time for moment in moments])
+    measured = np.diff(states, axis=0) / np.where(apart > 0.0, apart, period)[:, np.newaxis]
     columns = {joint: 7 + i for i, joint in enumerate(vector.joints)}
     actions = np.array(frames.actions)
     for i, rate in enumerate(vector.rates):
