@@ -61,8 +61,13 @@ export class KeyDialog {
       this._tell(text("{key} is the e-stop, always.", { key: translated(this._keymap.capOf(code)) }));
       return false;
     }
-    const others = this._keymap.set(name, code);
-    this._tell(others.length > 0 ? text("{action} has the old key now.", { action: others.map((each) => text(this._vocabulary.get(each)?.title ?? each)).join(", ") }) : "");
+    const title = (/** @type {string} */ each) => text(this._vocabulary.get(each)?.title ?? each);
+    const { swapped, obstacle } = this._keymap.set(name, code);
+    if (obstacle !== undefined) {
+      this._tell(text("Nothing was changed: “{action}” would get the old key, which “{other}” has.", { action: title(obstacle.other), other: title(obstacle.has) }));
+    } else {
+      this._tell(swapped.length > 0 ? text("{action} has the old key now.", { action: swapped.map(title).join(", ") }) : "");
+    }
     return true;
   }
 

@@ -49,25 +49,39 @@ export class KeyMap {
    * @returns {string | undefined} Name of an action.
    */
   find(code, mode) {
-    return this._more[code] ?? this.names.find((name) => this._codes[name] === code && this._modes[name].includes(mode));
+    const theirs = this.names.filter((name) => this._codes[name] === code);
+    // A further key that the user has given to something is no further key any more.
+    return theirs.length === 0 ? this._more[code] : theirs.find((name) => this._modes[name].includes(mode));
   }
 
   /**
-   * Give something another key; what had that key gets the old one.
+   * Give something another key; what had that key gets the old one. Where that has another meaning in one of its modes, nothing changes.
    * @param {string} name
    * @param {string} code
-   * @returns {string[]} Names of what got the old key.
+   * @returns {{swapped: string[], obstacle?: {other: string, has: string}}} Names of what got the old key; or of what would have got
+   *   it, and of what has it there.
    */
   set(name, code) {
     const before = this._codes[name];
-    const modes = this._modes[name];
-    const others = this.names.filter(
-      (each) => each !== name && this._codes[each] === code && this._modes[each].some((mode) => modes.includes(mode)),
-    );
-    for (const other of others) this._codes[other] = before;
+    const swapped = this._rivals(name, code);
+    for (const other of swapped) {
+      const has = this._rivals(other, before).find((each) => each !== name);
+      if (has !== undefined) return { swapped: [], obstacle: { other, has } };
+    }
+    for (const other of swapped) this._codes[other] = before;
     this._codes[name] = code;
     this._save();
-    return others;
+    return { swapped };
+  }
+
+  /**
+   * What else has a key in one of something's modes.
+   * @param {string} name
+   * @param {string} code
+   */
+  _rivals(name, code) {
+    const meets = (/** @type {string} */ other) => this._modes[other].some((mode) => this._modes[name].includes(mode));
+    return this.names.filter((each) => each !== name && this._codes[each] === code && meets(each));
   }
 
   reset() {

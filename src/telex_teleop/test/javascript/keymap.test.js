@@ -32,7 +32,7 @@ test("two things change their keys, and the browser keeps that", () => {
   keys.changed = () => {
     changes += 1;
   };
-  assert.deepEqual(keys.set(one, second), [other]);
+  assert.deepEqual(keys.set(one, second), { swapped: [other] });
   assert.equal(keys.codeOf(other), first);
   assert.equal(changes, 1);
   const later = kept(storage);
@@ -44,10 +44,38 @@ test("two things change their keys, and the browser keeps that", () => {
 
 test("a key of another mode stays what it was there", () => {
   const keys = made();
-  assert.deepEqual(keys.set("tool_y:left", "KeyJ"), []);
-  assert.deepEqual(keys.set("tool_y:left", "KeyZ"), ["pose:stow"]);
-  assert.equal(keys.codeOf("camera_pan:left"), "KeyJ");
+  assert.deepEqual(keys.set("tool_y:left", "KeyJ"), { swapped: [] });
+  assert.deepEqual(keys.set("camera_pan:left", "KeyZ"), { swapped: [] });
+  assert.equal(keys.codeOf("pose:stow"), "KeyZ");
   assert.equal(keys.codeOf("turret:left"), "KeyJ");
+});
+
+test("nothing gets the old key where that has another meaning", () => {
+  const storage = new FakeStorage();
+  const keys = kept(storage);
+  const refused = { swapped: [], obstacle: { other: "drive:forward", has: "turret:left" } };
+  assert.deepEqual(keys.set("camera_pan:left", "KeyW"), refused);
+  assert.deepEqual(keys.set("tool_y:left", "KeyZ"), { swapped: [], obstacle: { other: "pose:stow", has: "turret:left" } });
+  for (const each of [keys, kept(storage)]) {
+    for (const name of NAMES) for (const mode of modesOf(name)) assert.equal(each.find(each.codeOf(name), mode), name);
+  }
+  // Once that has another key, it goes.
+  keys.set("turret:left", "KeyP");
+  keys.set("tool_y:left", "KeyP");
+  assert.deepEqual(keys.set("camera_pan:left", "KeyW"), { swapped: ["drive:forward"] });
+  assert.equal(keys.find("KeyJ", "JOINT"), "drive:forward");
+});
+
+test("a further key is what the user makes of it", () => {
+  const keys = made();
+  keys.set("drive:forward", "NumpadAdd");
+  assert.equal(keys.find("NumpadAdd", "DRIVE"), "drive:forward");
+  assert.equal(keys.find("Equal", "DRIVE"), "faster");
+  keys.reset();
+  assert.equal(keys.find("NumpadAdd", "DRIVE"), "faster");
+  keys.set("turret:left", "NumpadAdd");
+  assert.equal(keys.find("NumpadAdd", "JOINT"), "turret:left");
+  assert.equal(keys.find("NumpadAdd", "DRIVE"), undefined);
 });
 
 for (const stored of ODD) {

@@ -156,6 +156,7 @@ export const DE = {
   "All keys are as they were at first.": "Alle Tasten sind wie am Anfang.",
   "{key} is the e-stop, always.": "{key} ist immer der Not-Halt.",
   "{action} has the old key now.": "{action} hat jetzt die alte Taste.",
+  "Nothing was changed: “{action}” would get the old key, which “{other}” has.": "Nichts geändert: „{action}“ bekäme die alte Taste, die „{other}“ schon hat.",
   "Press the new key for “{action}”.": "Drücken Sie die neue Taste für „{action}“.",
   "Click a line, then press its new key. Keys count by their place on the keyboard.": "Zeile anklicken, dann die neue Taste drücken. Es zählt die Lage der Taste auf der Tastatur.",
   "Language: {name}. Press for the next one.": "Sprache: {name}. Drücken für die nächste.",

@@ -156,6 +156,7 @@ export const FR = {
   "All keys are as they were at first.": "Toutes les touches sont comme au départ.",
   "{key} is the e-stop, always.": "{key} est toujours l’arrêt d’urgence.",
   "{action} has the old key now.": "{action} a maintenant l’ancienne touche.",
+  "Nothing was changed: “{action}” would get the old key, which “{other}” has.": "Rien n’a été modifié : « {action} » recevrait l’ancienne touche, qui est déjà celle de « {other} ».",
   "Press the new key for “{action}”.": "Appuyez sur la nouvelle touche pour « {action} ».",
   "Click a line, then press its new key. Keys count by their place on the keyboard.": "Cliquez sur une ligne, puis appuyez sur sa nouvelle touche. C’est la place de la touche sur le clavier qui compte.",
   "Language: {name}. Press for the next one.": "Langue : {name}. Appuyer pour la suivante.",
