@@ -168,26 +168,37 @@ function show(sheet) {
   const main = /** @type {HTMLElement} */ (document.getElementById("sheet"));
   main.replaceChildren(...parts);
   main.setAttribute("aria-busy", "false");
-  if (sheet.mode === "exam") showSignature(main);
-  // The workload is the operator's own, and nobody else's to rate.
-  if (GIVEN.get("role") !== "instructor") showWorkload(main, sheet.mode === "exam");
+  for (const place of beside) place(main);
 }
 
-/** @param {HTMLElement} main @param {boolean} isAsked */
-async function showWorkload(main, isAsked) {
+/** Put what was fetched beside the sheet in its place. Another language shows it anew, but does not fetch it again. @type {((main: HTMLElement) => void)[]} */
+const beside = [];
+
+/** @param {(main: HTMLElement) => void} place */
+function add(place) {
+  beside.push(place);
+  place(/** @type {HTMLElement} */ (document.getElementById("sheet")));
+}
+
+/** @param {boolean} isAsked */
+async function addWorkload(isAsked) {
   const part = await workloadPart(address("workload"), isAsked);
   if (part === null) return;
-  if (isAsked) main.querySelector(".buttons")?.before(part);
-  else main.append(part);
+  add((main) => {
+    if (isAsked) main.querySelector(".buttons")?.before(part());
+    else main.append(part());
+  });
 }
 
-/** Say what the signature of an exam is worth: without a valid one it is none. @param {HTMLElement} main */
-async function showSignature(main) {
+/** Say what the signature of an exam is worth: without a valid one it is none. */
+async function addSignature() {
   const reply = await fetch(address("signature"), { cache: "no-store" });
   const found = reply.ok ? String(await reply.json()) : term("it cannot be checked");
   const valid = found.startsWith("valid");
-  const words = valid ? text("Signature: {found}", { found: translated(found) }) : text("No exam, for its signature is not valid: {found}", { found: translated(found) });
-  main.querySelector(".about")?.after(element("p", words, { id: "signature", class: valid ? "about" : "invalid" }));
+  add((main) => {
+    const words = valid ? text("Signature: {found}", { found: translated(found) }) : text("No exam, for its signature is not valid: {found}", { found: translated(found) });
+    main.querySelector(".about")?.after(element("p", words, { id: "signature", class: valid ? "about" : "invalid" }));
+  });
 }
 
 /** @param {string} person */
@@ -218,6 +229,9 @@ async function main() {
     show(sheet);
     onLanguage(() => show(sheet));
     bringTexts(`api/texts?${whoLooks()}`);
+    if (sheet.mode === "exam") addSignature();
+    // The workload is the operator's own, and nobody else's to rate.
+    if (GIVEN.get("role") !== "instructor") addWorkload(sheet.mode === "exam");
     return;
   }
   const note = /** @type {HTMLElement} */ (document.getElementById("note"));

@@ -19,7 +19,7 @@ const SCALES = [
 /**
  * @param {string} address  At which it is read and sent.
  * @param {boolean} isAsked  Whether the sliders are open at once: after an exam.
- * @returns {Promise<HTMLElement | null>} null: it cannot be rated now.
+ * @returns {Promise<(() => HTMLElement) | null>} Gives the part as it stands; what was moved in it stays. Null: it cannot be rated now.
  */
 export async function workloadPart(address, isAsked) {
   /** @type {Workload | null} */
@@ -31,7 +31,8 @@ export async function workloadPart(address, isAsked) {
   } catch {
     return null;
   }
-  return given === null ? form(address, isAsked) : result(given);
+  const sliders = form(address, isAsked, (sent) => { given = sent; });
+  return () => (given === null ? sliders : result(given));
 }
 
 /** @param {Workload} workload */
@@ -40,8 +41,8 @@ function result({ ratings, raw }) {
   return element("p", text("Workload {raw} of 100 (NASA-TLX, unweighted): {parts}", { raw: Math.round(raw), parts: parts.join(", ") }), { id: "workload", class: "about" });
 }
 
-/** @param {string} address @param {boolean} isAsked */
-function form(address, isAsked) {
+/** @param {string} address @param {boolean} isAsked @param {(workload: Workload) => void} sent */
+function form(address, isAsked, sent) {
   const send = /** @type {HTMLButtonElement} */ (element("button", text("send"), { type: "submit", disabled: "" }));
   const note = element("span", text("move each slider once"), { role: "status" });
   const sliders = SCALES.map(([name]) => (
@@ -74,7 +75,9 @@ function form(address, isAsked) {
       const body = JSON.stringify(sliders.map((slider) => Number(slider.value)));
       const reply = await fetch(address, { method: "POST", headers: { "Content-Type": "application/json" }, body });
       if (!reply.ok) throw new Error((await reply.text()).trim() || String(reply.status));
-      part.replaceWith(result(await reply.json()));
+      const workload = await reply.json();
+      sent(workload);
+      part.replaceWith(result(workload));
     } catch (error) {
       note.textContent = text("not sent: {why}", { why: translated(/** @type {Error} */ (error).message) });
       send.disabled = false;
