@@ -13,12 +13,18 @@ const PRESSED = 0.5; // share of a button's way
 /** Needs the enable button, though it moves nothing. */
 const RELEASE = "release e-stop";
 
+/** Is heeded by every console that is seen. */
+const STOP = "e-stop";
+
 /** Names of the controls in the order of the standard layout (W3C Gamepad, "remapping"). */
 const AXES = ["left_stick_x", "left_stick_y", "right_stick_x", "right_stick_y"];
 const BUTTONS = [
   "south", "east", "west", "north", "left_bumper", "right_bumper", "left_trigger", "right_trigger", "back", "start", "left_stick", "right_stick",
   "dpad_up", "dpad_down", "dpad_left", "dpad_right", "guide",
 ];
+
+/** Whether it is known which of its controls is which. @param {Gamepad | null} pad */
+const isUsable = (pad) => pad?.mapping === "standard";
 
 /**
  * Values of a pad's controls, by their names.
@@ -48,14 +54,14 @@ export class GamepadInput {
     this._active = new Map();
     /** Asking the browser costs a thread of it that polls. */
     this._isConnected = false;
-    window.addEventListener("gamepadconnected", (event) => {
+    window.addEventListener("gamepadconnected", () => {
       this._isConnected = true;
-      this._show(event.gamepad?.id ?? "");
+      this._show();
     });
     window.addEventListener("gamepaddisconnected", () => {
       page.letGo(text("the gamepad was disconnected"));
       this._isConnected = navigator.getGamepads().some((pad) => pad !== null);
-      this._show("");
+      this._show();
     });
   }
 
@@ -67,16 +73,19 @@ export class GamepadInput {
   /** Read the gamepads; call it every COMMAND_PERIOD. */
   poll() {
     if (!this._isConnected || this.map === null) return;
+    // Browsers tell every window that is seen: of several robots' consoles, the pad moves the one that has the keyboard.
+    const hasFocus = document.hasFocus();
     for (const pad of navigator.getGamepads()) {
-      if (pad !== null && pad.mapping === "standard") this._readPad(pad, this.map);
+      if (pad !== null && isUsable(pad)) this._readPad(pad, this.map, hasFocus);
     }
   }
 
   /**
    * @param {Gamepad} pad
    * @param {PadMap} map
+   * @param {boolean} hasFocus
    */
-  _readPad(pad, map) {
+  _readPad(pad, map, hasFocus) {
     const mode = map.modes.find(({ name }) => name === this._page.mode());
     if (mode === undefined) return;
     const values = valuesOf(pad);
@@ -88,8 +97,15 @@ export class GamepadInput {
       const binding = layer[control];
       const { action, amount } = binding === undefined ? { action: null, amount: 0 } : demand(binding, value);
       const name = amount > 0 ? this._page.nameOf(action) : "";
-      this._read(source, name, amount, isEnabled, action?.name === RELEASE);
+      if (hasFocus || name === "" || action?.name === STOP) this._read(source, name, amount, isEnabled, action?.name === RELEASE);
+      else this._ignore(source);
     }
+  }
+
+  /** Let go of what is off its rest, which has to come back to it before it counts. @param {string} source */
+  _ignore(source) {
+    this._active.set(source, null);
+    this._page.held.release(source);
   }
 
   /**
@@ -118,14 +134,15 @@ export class GamepadInput {
     } else if (this._active.get(source) === name && isEnabled) {
       held.press(source, name, amount);
     } else if (this._active.get(source) !== null) {
-      // Enable was released, or the control has another meaning now: it has to return to rest first.
-      this._active.set(source, null);
-      held.release(source);
+      // Enable was released, or the control has another meaning now.
+      this._ignore(source);
     }
   }
 
-  /** @param {string} id */
-  _show(id) {
-    setText(byId("gamepad"), id === "" ? "" : text("gamepad: {name}", { name: id.replace(/\s*\(.*/, "").slice(0, 28) }));
+  _show() {
+    const pads = navigator.getGamepads().filter((pad) => pad !== null);
+    const pad = pads.find(isUsable) ?? pads[0];
+    const name = pad?.id.replace(/\s*\(.*/, "").slice(0, 28) ?? "";
+    setText(byId("gamepad"), pad === undefined ? "" : isUsable(pad) ? text("gamepad: {name}", { name }) : text("gamepad: {name}, not usable", { name }));
   }
 }

@@ -64,6 +64,7 @@ export const DE = {
   "the page was hidden": "die Seite wurde verdeckt",
   "the page stood still for {seconds} s": "die Seite stand {seconds} s lang still",
   "the gamepad was disconnected": "das Gamepad wurde getrennt",
+  "gamepad: {name}, not usable": "Gamepad: {name}, nicht nutzbar",
   "gamepad: {name}": "Gamepad: {name}",
   // nodes
   "nothing moves; once it is back, the exercise begins anew": "nichts bewegt sich; ist er wieder da, beginnt die Übung von vorn",
@@ -702,6 +703,7 @@ export const DE = {
   "This is for instructors: add role=instructor.": "Das ist für Ausbilder: role=instructor ergänzen.",
   "This trial is not open.": "Dieser Versuch ist nicht geöffnet.",
   "The workload is rated by who did the trial.": "Die Beanspruchung bewertet, wer den Versuch gemacht hat.",
+  "The workload of this trial has been rated already.": "Die Beanspruchung dieses Versuchs ist schon bewertet.",
   "There is no sheet of this trial under your name.": "Zu diesem Versuch gibt es unter Ihrem Namen keinen Bogen.",
   "Progress is shown by name: ?name=YOUR-NAME": "Fortschritt wird nach Namen gezeigt: ?name=IHR-NAME",
   "There is no progress of this person under your name.": "Unter Ihrem Namen gibt es keinen Fortschritt dieser Person.",

@@ -64,6 +64,7 @@ export const FR = {
   "the page was hidden": "la page a été masquée",
   "the page stood still for {seconds} s": "la page est restée figée {seconds} s",
   "the gamepad was disconnected": "la manette a été débranchée",
+  "gamepad: {name}, not usable": "manette : {name}, inutilisable",
   "gamepad: {name}": "manette : {name}",
   // nodes
   "nothing moves; once it is back, the exercise begins anew": "rien ne bouge ; à son retour, l’exercice recommence",
@@ -702,6 +703,7 @@ export const FR = {
   "This is for instructors: add role=instructor.": "Ceci est réservé aux instructeurs : ajoutez role=instructor.",
   "This trial is not open.": "Cet essai n’est pas ouvert.",
   "The workload is rated by who did the trial.": "La charge est évaluée par la personne qui a fait l’essai.",
+  "The workload of this trial has been rated already.": "La charge de cet essai est déjà évaluée.",
   "There is no sheet of this trial under your name.": "Il n’y a pas de fiche de cet essai à votre nom.",
   "Progress is shown by name: ?name=YOUR-NAME": "La progression s’affiche par nom : ?name=VOTRE-NOM",
   "There is no progress of this person under your name.": "Il n’y a pas de progression de cette personne à votre nom.",
