@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import List, Tuple
+from typing import Any, List, Sequence, Tuple
 
 import numpy as np
 import pytest
 from ahead_exercise import AHEAD
 from std_msgs.msg import String
-from telex_msgs.msg import TrackTeleopStatus
+from telex_msgs.msg import (
+    ActiveMalfunction,
+    ComponentDoses,
+    Malfunctions,
+    SceneLight,
+    TrackTeleopStatus,
+)
 from training_truth import serialized
 
 from telex_sim.cameras.cameras_config import shipped_params
 from telex_training.command_lines import export
 from telex_training.exercises.exercise_file import load_exercise
-from telex_training.judging.entries import Entry
+from telex_training.judging.entries import DOSES, LIGHT, MALFUNCTIONS, Entry
 from telex_training.operators.experts.brief import Brief
 from telex_training.operators.handling import Hand
 from telex_training.operators.port import Command, Drive, Jog
@@ -132,6 +138,56 @@ def test_moments_are_drawn_again(found: Tuple[Replay, CommandVector, List[Episod
     assert first.shape == (48, 64, 3)
     assert first.std() > 5.0
     assert np.abs(first.astype(int) - last).mean() > 1.0
+
+
+class TestWhatFailed:
+    """Pictures of what an instructor, malfunctions and radiation have made of a trial."""
+
+    def look(self, recorded: Path, told: Sequence[Tuple[float, str, Any]]) -> List[np.ndarray]:
+        """Draw five moments, in the middle of which messages came at a time of the replay (s)."""
+        recording = read_recording(recorded)
+        entries, times = recording.entries, Replay(recording, shipped_params()).timeline.entry_times
+        for time, channel, message in reversed(told):
+            index = int(np.searchsorted(times, time))
+            entry = Entry(0, entries[index].time, channel, message._type, serialized(message))
+            entries.insert(index, entry)
+        replay = Replay(recording, shipped_params())
+        moments = [replay.timeline.moment(0.4 + 0.4 * i) for i in range(5)]
+        return [each["front"] for each in redrawn(replay, moments, ["front"], 64)]
+
+    def test_the_light_is_what_it_was(self, recorded: Path) -> None:
+        shown = self.look(recorded, [(1.0, LIGHT, SceneLight(daylight=0.0, lamps=0.0))])
+        assert shown[2].mean() < 0.5 * shown[1].mean()
+
+    def test_a_frozen_camera_shows_what_it_saw_last(self, recorded: Path) -> None:
+        frozen = ActiveMalfunction(what="front", group="camera", kind="frozen")
+        shown = self.look(
+            recorded,
+            [
+                (0.7, MALFUNCTIONS, Malfunctions(active=[frozen])),
+                (1.5, MALFUNCTIONS, Malfunctions()),
+            ],
+        )
+        assert (shown[1] == shown[2]).all()
+        assert (shown[0] != shown[1]).any()
+        assert np.abs(shown[3].astype(int) - shown[2]).mean() > 1.0
+
+    def test_a_camera_without_power_leaves_its_last_picture(self, recorded: Path) -> None:
+        nothing = Malfunctions(unpowered=["cameras"])
+        shown = self.look(recorded, [(1.0, MALFUNCTIONS, nothing)])
+        assert all((picture == shown[1]).all() for picture in shown[2:])
+        shown = self.look(recorded, [(0.0, MALFUNCTIONS, nothing)])
+        assert not np.any(shown)
+
+    def test_flaws_and_radiation_are_in_its_picture(self, recorded: Path) -> None:
+        sound = self.look(recorded, [])
+        dark = ActiveMalfunction(what="front", group="camera", kind="dark", value=0.9)
+        shown = self.look(recorded, [(1.0, MALFUNCTIONS, Malfunctions(active=[dark]))])
+        assert shown[2].mean() < 0.5 * sound[2].mean()
+        doses = ComponentDoses(names=["front"], dose_rate=[2000.0], dose=[0.0], failed=[False])
+        shown = self.look(recorded, [(1.0, DOSES, doses)])
+        assert (shown[1] == sound[1]).all()
+        assert (shown[2] != sound[2]).any()
 
 
 class TestGiven:

@@ -8,10 +8,12 @@ import numpy as np
 
 from telex_control.common.params import read_config
 from telex_sim.cameras.cameras_config import CamerasConfig
+from telex_sim.cameras.optics.flaws import SOUND
 from telex_sim.cameras.preview.still_cameras import StillCameras
+from telex_sim.cameras.ros.failures import Broken, broken_of
 
 from ..replay.cameras import replay_config
-from ..replay.replay import Replay
+from ..replay.replay import Replay, SilentCameraError
 from ..replay.scenery import base_of
 from ..replay.timeline import Moment
 
@@ -25,7 +27,9 @@ def replay_cameras(replay: Replay) -> CamerasConfig:
 def redrawn(
     replay: Replay, moments: Sequence[Moment], names: Sequence[str], width: Optional[int]
 ) -> Iterator[Dict[str, np.ndarray]]:
-    """Draw moments of a recording, with lamps and zoom as they were.
+    """Draw moments of a recording, with light, lamps, zoom and all that failed as they were.
+
+    A camera that sent nothing has its last picture, or a black one where it had sent none.
 
     Parameters
     ----------
@@ -51,23 +55,67 @@ def redrawn(
         return
     cameras = StillCameras(replay_cameras(replay), names, width)
     try:
-        shown: Optional[Tuple[str, Tuple[str, ...]]] = None
+        eye = _Eye(replay, cameras)
         for moment in moments:
-            part = moment.part
-            if shown != (part.robot, part.names.objects):
-                shown = (part.robot, part.names.objects)
-                cameras.show(replay.scenery.description(moment, 1))
-            switches = replay.switches(moment)
-            levels = {
-                topic.split("/")[1]: level
-                for topic, level in switches.items()
-                if topic.startswith("lamps/")
-            }
-            poses = replay.scenery.poses(moment, 1, moment.stamp, base_of(moment))
-            cameras.place(poses, levels)
-            yield {
-                name: cameras.picture(name, switches.get(f"cameras/{name}/zoom", 1.0))
-                for name in names
-            }
+            yield eye.look(moment)
     finally:
         cameras.release()
+
+
+class _Eye:
+    """Sees a recording through cameras, moment after moment."""
+
+    def __init__(self, replay: Replay, cameras: StillCameras) -> None:
+        self._replay, self._cameras = replay, cameras
+        self._shown: Optional[Tuple[str, Tuple[str, ...], Tuple[float, float]]] = None
+        self._placed = -1
+        self._switches: Dict[str, float] = {}
+        self._broken = Broken()
+        self._exposed: Dict[str, Tuple[float, float]] = {}
+        self._sent: Dict[str, Tuple[int, np.ndarray]] = {
+            name: (-1, np.zeros((camera.height, camera.width, 3), np.uint8))
+            for name, camera in cameras.cameras.items()
+        }
+
+    def look(self, moment: Moment) -> Dict[str, np.ndarray]:
+        """Return what the operator was sent at a moment."""
+        due: Dict[str, Moment] = {}
+        for name, (number, _) in self._sent.items():
+            try:
+                sent = self._replay.sent_by(name, moment)
+            except SilentCameraError:
+                continue
+            if sent.number != number:
+                due[name] = sent
+        # Cameras take what moves from two moments in their order; a frozen one's is earlier.
+        for name, sent in sorted(due.items(), key=lambda item: item[1].number):
+            self._place(sent)
+            zoom = self._switches.get(f"cameras/{name}/zoom", 1.0)
+            exposed = self._exposed.get(name, (0.0, 0.0))
+            flaws = self._broken.flaws.get(name, SOUND)
+            picture = self._cameras.picture(name, zoom, exposed, flaws)
+            self._sent[name] = (sent.number, picture)
+        return {name: picture for name, (_, picture) in self._sent.items()}
+
+    def _place(self, moment: Moment) -> None:
+        """Have everything as it was at a moment."""
+        if moment.number == self._placed:
+            return
+        self._placed = moment.number
+        replay, part, light = self._replay, moment.part, self._replay.light(moment)
+        if self._shown != (part.robot, part.names.objects, light):
+            self._shown = (part.robot, part.names.objects, light)
+            self._cameras.show(replay.scenery.description(moment, 1, light=light))
+        radiation, malfunctions = replay.condition(moment)
+        self._broken = broken_of(malfunctions)
+        told = zip(radiation.names, radiation.dose_rate, radiation.dose)
+        self._exposed = {name: (rate, dose) for name, rate, dose in told}
+        self._switches = replay.switches(moment)
+        lamps = {
+            topic.split("/")[1]: level
+            for topic, level in self._switches.items()
+            if topic.startswith("lamps/")
+        }
+        levels = {name: level * self._broken.burns(name) for name, level in lamps.items()}
+        poses = replay.scenery.poses(moment, 1, moment.stamp, base_of(moment))
+        self._cameras.place(poses, levels)
