@@ -109,6 +109,21 @@ def test_previews_are_those_that_are_shipped(station, name):
     assert station.get(f"/preview/{name}.jpg")[0] == (200 if name == "slalom" else 404)
 
 
+def test_the_workload_of_a_trial_is_rated_once_and_by_who_did_it(station, monkeypatch):
+    ratings, rated = [10, 20, 30, 40, 50, 60], []
+    library = station.pages._library
+    monkeypatch.setattr(library, "sheet", lambda trial: {"operator": "ann"})
+    monkeypatch.setattr(library, "workload", lambda trial: dict(rated).get(trial))
+    monkeypatch.setattr(station.pages, "_rate", lambda *given: rated.append(given))
+    assert station.get("/api/workload/t1", role="instructor", send=ratings)[0] == 403
+    assert station.get("/api/workload/t1", "ann", send=ratings[:5])[0] == 400
+    assert station.get("/api/workload/t1", "ann", send=ratings)[0] == 200
+    status, content = station.get("/api/workload/t1", "ann", send=[0] * 6)
+    assert (status, content) == (409, b"The workload of this trial has been rated already.\n")
+    assert station.get("/api/workload/t2", "ann", send=ratings)[0] == 200
+    assert rated == [("t1", ratings), ("t2", ratings)]
+
+
 class TestForAClass:
     def test_instructors_are_told_the_trial_and_nobody_else_is(self, station):
         status, content = station.get("/api/state", role="instructor")

@@ -236,6 +236,7 @@ export const WORDS = [
   "This is for instructors: add role=instructor.",
   "This trial is not open.",
   "The workload is rated by who did the trial.",
+  "The workload of this trial has been rated already.",
   "There is no sheet of this trial under your name.",
   "Progress is shown by name: ?name=YOUR-NAME",
   "There is no progress of this person under your name.",

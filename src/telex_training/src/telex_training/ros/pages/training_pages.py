@@ -108,15 +108,18 @@ class TrainingPages(PageServer):
 
     async def _take_workload(self, request: web.Request) -> web.Response:
         """Take an operator's ratings of his own trial."""
-        sheet = await self._permitted(request)
+        sheet, trial = await self._permitted(request), request.match_info["trial"]
         if sheet.get("operator") != name_of(request):
             raise web.HTTPForbidden(text="The workload is rated by who did the trial.\n")
+        # A page that was opened twice, or long ago, still has its sliders.
+        if await aside(self._library.workload, trial) is not None:
+            raise web.HTTPConflict(text="The workload of this trial has been rated already.\n")
         try:
             given = workload_of(await posted(request))
         except BadEntryError as error:
             raise web.HTTPBadRequest(text=f"{error}\n") from error
         try:
-            await aside(self._rate, request.match_info["trial"], given["ratings"])
+            await aside(self._rate, trial, given["ratings"])
         except RuntimeError as error:
             raise web.HTTPConflict(text=f"{error}\n") from error
         return web.json_response(given)
