@@ -5,7 +5,7 @@
 # rosrun, roslaunch, rostopic and rostest then work in this shell. A ROS_MASTER_URI that is already set is kept, and so are
 # ROS_IP and ROS_HOSTNAME; with neither, nodes of this shell are for this machine alone if its master is (docs/engineer/network.md).
 
-_telex_root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)"
+_telex_root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd -P)"
 if [ ! -f "$_telex_root/devel/setup.bash" ] || [ ! -x "$_telex_root/.venv/bin/python" ]; then
   echo "env.sh: the workspace is not built yet; run $_telex_root/launch_scripts/setup.sh first" >&2
   unset _telex_root

@@ -9,7 +9,7 @@
 # Ctrl-C ends everything.
 set -uo pipefail
 
-root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)"
+root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd -P)"
 for argument in "$@"; do
   case "$argument" in
     -h | --help)

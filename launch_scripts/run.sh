@@ -12,7 +12,7 @@
 # Ctrl-C ends it all. A running ROS master (ROS_MASTER_URI, or -p PORT) is used; without one, one is started.
 set -uo pipefail
 
-root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)"
+root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd -P)"
 case "${1:-}" in
   -h | --help)
     sed -n '2,12s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
@@ -62,7 +62,12 @@ for argument in "$@"; do
       ;;
     *)
       name="${argument%%:=*}"
-      [ "$name" != "$argument" ] && grep -qxF -- "$name" <<<"$known" && continue
+      if [ "$name" != "$argument" ] && grep -qxF -- "$name" <<<"$known"; then
+        # roslaunch passes over an empty value, too, and takes the default.
+        [ "$argument" = "$name:=" ] && grep -q "^  <arg name=\"$name\" default=\"[^\"]" "$root/src/$launch_file" 2>/dev/null || continue
+        echo "run.sh: $argument has no value; leave it out, or give one" >&2
+        exit 2
+      fi
       # shellcheck disable=SC2086
       printf "run.sh: unknown argument '%s'; there are: %s\n" "$argument" "$(printf '%s:= ' $known)" >&2
       exit 2
@@ -80,6 +85,8 @@ if [ -n "$master_port" ]; then
 fi
 
 "$root/launch_scripts/setup.sh" || exit 1
+# roslaunch would put the robot's namespace below it.
+unset ROS_NAMESPACE
 ros_address=
 for argument in "$@"; do
   case "$argument" in ros_address:=*) ros_address="${argument#*:=}" ;; esac
@@ -228,7 +235,8 @@ started() { grep -lszxF "$mark" /proc/[0-9]*/environ 2>/dev/null | cut -d/ -f3; 
 
 # Asks everything to end, then insists, within 5 s. roslaunch, when it may, ends its nodes in order.
 stop() {
-  trap '' INT TERM HUP
+  # PIPE as well: what reads the output may have ended by the same Ctrl-C.
+  trap '' INT TERM HUP PIPE
   [ -n "$launch_pid" ] || return
   printf '\nStopping the simulator ...\n'
   local round

@@ -6,7 +6,7 @@
 # --test adds what only the tests need. What is done already is skipped. run.sh and test.sh call this.
 set -euo pipefail
 
-root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)"
+root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd -P)"
 state="$root/.setup"
 log="$state/setup.log"
 with_tests=
@@ -44,19 +44,19 @@ step() {
     # A package manager that is killed half-way leaves a broken system.
     "$@" >>"$log" 2>&1 8>&- &
     pid=$!
-    trap 'printf "\nInterrupted; waiting for the package manager to finish ...\n"; wait "$pid"; exit 130' INT TERM
+    trap 'printf "\nInterrupted; waiting for the package manager to finish ...\n"; wait "$pid"; exit 130' INT TERM HUP
   else
     # A session of its own, so that all of its children end with it.
     setsid "$@" >>"$log" 2>&1 8>&- &
     pid=$!
-    trap 'kill -TERM -- "-$pid" 2>/dev/null; wait "$pid" 2>/dev/null; exit 130' INT TERM
+    trap 'kill -TERM -- "-$pid" 2>/dev/null; wait "$pid" 2>/dev/null; exit 130' INT TERM HUP
   fi
   while kill -0 "$pid" 2>/dev/null; do
     sleep 0.2
     [ -t 1 ] && printf '\r%s ... %d s ' "$title" $((SECONDS - started))
   done
   wait "$pid" || status=$?
-  trap - INT TERM
+  trap - INT TERM HUP
   if [ "$status" -ne 0 ]; then
     last="$(tail -n 25 "$log")"
     printf ' failed\n%s\n' "$last" >&2

@@ -7,7 +7,7 @@
 # Further arguments go to pytest (-n 0: all tests in one process, as --pdb wants it).
 set -uo pipefail
 
-root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)"
+root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd -P)"
 cd "$root" || exit 1
 fast=
 pytest_arguments=()

@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import json
+import math
 import os
 import socket
 import sys
@@ -14,7 +15,7 @@ import urllib.error
 import urllib.parse
 import urllib.request
 from http.client import HTTPException
-from typing import Any, Callable, Dict, List, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Set, Tuple
 from xmlrpc.client import Error as XmlRpcError
 
 import rosgraph
@@ -26,7 +27,7 @@ from telex_control.ros.node_start import init_node
 from telex_teleop.web.token_files import read_token
 
 _NODE_START = 20.0
-"""Time (s) in which a node must have registered."""
+"""Time (s) in which a node that is waited for must have registered."""
 
 _ONE_CAMERA = 5.0
 """Time (s) for which the picture of one camera is waited for before others are asked for theirs."""
@@ -39,12 +40,19 @@ _TELEOP = ("arm_teleop", "flipper_teleop", "gripper_teleop", "track_teleop")
 _NO_HEAD = 405
 """Status of the bridge's answer to a HEAD request, which it does not take for a client's."""
 
-_SERVER_ADVICE = "its last message says why; if its port is in use, try {}"
+_ADVICE = "its last message says why"
+_SERVER_ADVICE = f"{_ADVICE}; if its port is in use, try {{}}"
+
+_ENV_MASTER = "http://localhost:11311"
+"""ROS master of a shell that has read env.sh and says nothing else."""
+
+_HERE = urllib.request.build_opener(urllib.request.ProxyHandler({}))
+"""Asks servers of this machine, past the proxy that the environment may name for all others."""
 
 READY = """
 {pages}
 {keys}
-  ROS       source env.sh && rostopic list        (everything is under {namespace})
+  ROS       {shell} && rostopic list        (everything is under {namespace})
   Stop      Ctrl-C
 """
 
@@ -53,7 +61,7 @@ KEYS = """\
             J L  turret    I K  shoulder    U O  telescope    P ;  elbow
             , .  gripper   - =  speed       Esc  emergency stop
             The page shows all. Hold to move, release to stop.
-  Terminal  source env.sh && rosrun telex_teleop keyboard_teleop"""
+  Terminal  {shell} && rosrun telex_teleop keyboard_teleop{robot}"""
 
 OWN_KEYS = """\
   Keys      The page shows all. Hold to move, release to stop; Esc: emergency stop."""
@@ -81,7 +89,7 @@ def node_answers(name: str) -> bool:
 REPLAY = """
   Replay    {url}/replay/
             Space plays and pauses, the arrow keys go from frame to frame.
-  ROS       source env.sh && rosservice list        (replay/open, replay/seek under {namespace})
+  ROS       {shell} && rosservice list        (replay/open, replay/seek under {namespace})
   Stop      Ctrl-C
 """
 
@@ -93,21 +101,23 @@ class Waiter:
         self._launch_pid = launch_pid
         self._started = time.monotonic()
         self._deadline = self._started + timeout
-        self._needed: Optional[Tuple[str, str]] = None
-        self._seen = False
+        self._needed: List[str] = []
+        self._advice = ""
+        self._needed_by = math.inf
+        self._seen: Set[str] = set()
 
-    def need(self, node: str, advice: str) -> None:
-        """Give up from now on when `node` has been there and is gone."""
-        self._needed, self._seen = (node, advice), False
+    def need(self, nodes: List[str], advice: str = _ADVICE, within: float = _NODE_START) -> None:
+        """Give up when one of these has been there and is gone, or has not come within a time."""
+        self._needed, self._advice, self._seen = nodes, advice, set()
+        self._needed_by = time.monotonic() + within
 
     def _check_needed(self) -> None:
-        if self._needed is None:
-            return
-        node, advice = self._needed
-        if node_answers(node):
-            self._seen = True
-        elif self._seen or time.monotonic() - self._started > _NODE_START:
-            sys.exit(f"the node {node} has ended: {advice}")
+        late = time.monotonic() > self._needed_by
+        for node in self._needed:
+            if node_answers(node):
+                self._seen.add(node)
+            elif late or node in self._seen:
+                sys.exit(f"the node {node} has ended: {self._advice}")
 
     def wait(self, what: str, condition: Callable[[], Optional[object]]) -> object:
         """Return the first true value of `condition`; ends the program when none comes."""
@@ -149,7 +159,7 @@ def fetch(namespace: str, path: str) -> Tuple[str, bytes]:
     try:
         url = str(rospy.get_param(f"{namespace}/video_server/url", ""))
         if url:
-            with urllib.request.urlopen(f"{url}{path}", timeout=5.0) as answer:
+            with _HERE.open(f"{url}{path}", timeout=5.0) as answer:
                 return url, answer.read()
     except (OSError, HTTPException):
         pass
@@ -217,7 +227,7 @@ def bridge_answers(namespace: str) -> Optional[str]:
         if url is None:
             return None
         question = urllib.request.Request(str(url).replace("ws", "http", 1), method="HEAD")
-        urllib.request.urlopen(question, timeout=5.0).close()
+        _HERE.open(question, timeout=5.0).close()
     except urllib.error.HTTPError as answer:
         return str(url) if answer.code == _NO_HEAD else None
     except (OSError, HTTPException):
@@ -247,18 +257,24 @@ def pages(namespace: str, url: str, several: bool) -> str:
     return "\n".join(lines)
 
 
+def shell() -> str:
+    """What makes a new shell one for this ROS master."""
+    master = os.environ.get("ROS_MASTER_URI", _ENV_MASTER)
+    return f"{'' if master == _ENV_MASTER else f'export ROS_MASTER_URI={master} && '}source env.sh"
+
+
 def _wait_for_robot(
     waiter: Waiter, robot: str, which: str = "", own: Optional[List[str]] = None
 ) -> None:
     waiter.wait(f"robot{which} controllable", lambda: controllers_run(robot, own is not None))
-    nodes = _TELEOP if own is None else own
-    waiter.wait(
-        f"teleoperation{which}", lambda: all(node_answers(f"{robot}/{name}") for name in nodes)
-    )
+    nodes = [f"{robot}/{name}" for name in (_TELEOP if own is None else own)]
+    # On a slow machine they come one after the other.
+    waiter.need(nodes, within=math.inf)
+    waiter.wait(f"teleoperation{which}", lambda: all(map(node_answers, nodes)))
 
 
 def _wait_for_bridge(waiter: Waiter, robot: str, which: str = "") -> None:
-    waiter.need(f"{robot}/rosbridge", _SERVER_ADVICE.format("bridge_port:=9091"))
+    waiter.need([f"{robot}/rosbridge"], _SERVER_ADVICE.format("bridge_port:=9091"))
     waiter.wait(f"bridge{which}", lambda: bridge_answers(robot))
 
 
@@ -290,9 +306,9 @@ def main() -> None:
 
     waiter.wait("ROS master", master)
     if options.replay:
-        waiter.need(f"{namespace}/replay", "its last message says why")
+        waiter.need([f"{namespace}/replay"])
         shown = str(waiter.wait("replay", lambda: replays(namespace)))
-        print(REPLAY.format(url=shown, namespace=namespace), flush=True)
+        print(REPLAY.format(url=shown, namespace=namespace, shell=shell()), flush=True)
         return
     beside = [f"/{name}" for name in options.beside]
     _wait_for_robot(waiter, namespace, own=options.own_robot)
@@ -300,18 +316,22 @@ def main() -> None:
         _wait_for_robot(waiter, robot, f" {robot}")
     shown = "  Console   (not started)"
     if not options.no_console:
-        waiter.need(f"{namespace}/video_server", _SERVER_ADVICE.format("video_port:=8081"))
+        waiter.need([f"{namespace}/video_server"], _SERVER_ADVICE.format("video_port:=8081"))
         url = str(waiter.wait("console", lambda: console(namespace)))
         _wait_for_bridge(waiter, namespace)
         for robot in beside:
             _wait_for_bridge(waiter, robot, f" {robot}")
         if not options.no_picture:
-            waiter.need(f"{namespace}/cameras", "its last message says why")
+            waiter.need([f"{namespace}/cameras"])
             init_node("wait_ready", anonymous=True, own_signals=True)
             waiter.wait("first camera picture", FirstPicture(namespace).came)
         shown = "\n".join(pages(robot, url, bool(beside)) for robot in (namespace, *beside))
-    keys = KEYS if options.own_robot is None else OWN_KEYS
-    print(READY.format(pages=shown, keys=keys, namespace=namespace), flush=True)
+    robot = "" if namespace == "/telex" else f" _robot:={namespace}"
+    keys = KEYS.format(shell=shell(), robot=robot) if options.own_robot is None else OWN_KEYS
+    print(
+        READY.format(pages=shown, keys=keys, namespace=namespace, shell=shell()),
+        flush=True,
+    )
 
 
 if __name__ == "__main__":

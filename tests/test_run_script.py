@@ -5,10 +5,12 @@ from __future__ import annotations
 import contextlib
 import importlib.util
 import json
+import math
 import os
 import pty
 import re
 import select
+import shutil
 import signal
 import socket
 import subprocess
@@ -153,6 +155,78 @@ def test_a_token_file_that_is_gone_does_not_fail_the_start(wait_ready, monkeypat
         "http://h:1/instructor?token=…",
     ]
     assert all(line.endswith(f"with the token in {gone}") for line in said)
+
+
+def test_it_asks_this_machine_past_a_proxy(wait_ready, monkeypatch):
+    monkeypatch.setenv("http_proxy", "http://127.0.0.1:9")
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def serve():
+            for _ in range(2):
+                client, _ = server.accept()
+                head = client.recv(4096).startswith(b"HEAD")
+                status = "405 no" if head else "200 OK"
+                client.sendall(f"HTTP/1.0 {status}\r\n\r\n<!DOCTYPE html>".encode())
+                client.close()
+
+        threading.Thread(target=serve, daemon=True).start()
+        host, port = server.getsockname()
+        urls = {"video_server": f"http://{host}:{port}", "rosbridge": f"ws://{host}:{port}"}
+        monkeypatch.setattr(
+            wait_ready.rospy, "get_param", lambda name, _: urls[name.split("/")[-2]]
+        )
+        assert wait_ready.console("/telex") == urls["video_server"]
+        assert wait_ready.bridge_answers("/telex") == urls["rosbridge"]
+
+
+class TestWaiter:
+    @pytest.fixture
+    def running(self, wait_ready, monkeypatch):
+        """Names of nodes that answer; time goes on while one waits."""
+        running, now = set(), [0.0]
+        monkeypatch.setattr(wait_ready, "node_answers", running.__contains__)
+        monkeypatch.setattr(wait_ready.time, "monotonic", lambda: now[0])
+        monkeypatch.setattr(
+            wait_ready.time, "sleep", lambda duration: now.__setitem__(0, now[0] + duration)
+        )
+        return running
+
+    def test_a_node_that_is_needed_late_has_its_time_from_then(self, wait_ready, running):
+        waiter = wait_ready.Waiter(0, 120.0)
+        wait_ready.time.sleep(60.0)
+        waiter.need(["/telex/rosbridge"])
+        looks = iter([False, False, True])
+        assert waiter.wait("bridge", lambda: next(looks))
+        with pytest.raises(SystemExit, match="the node /telex/rosbridge has ended"):
+            waiter.wait("bridge", lambda: False)
+
+    def test_one_of_several_that_refuses_to_start_ends_the_wait(self, wait_ready, running):
+        waiter = wait_ready.Waiter(0, 120.0)
+        waiter.need(["/telex/arm_teleop", "/telex/track_teleop"], within=math.inf)
+        looks = []
+
+        def look():
+            looks.append(None)
+            running.clear()
+            running.add("/telex/arm_teleop")
+            if len(looks) == 300:
+                running.add("/telex/track_teleop")
+
+        with pytest.raises(SystemExit, match="/telex/track_teleop has ended: its last message"):
+            waiter.wait("teleoperation", look)
+        assert len(looks) == 301
+
+
+@pytest.mark.parametrize(
+    ("master", "says"),
+    [
+        ("http://localhost:11311", "source env.sh"),
+        ("http://localhost:9", "export ROS_MASTER_URI=http://localhost:9 && source env.sh"),
+    ],
+)
+def test_the_commands_that_are_shown_are_for_this_master(wait_ready, monkeypatch, master, says):
+    monkeypatch.setenv("ROS_MASTER_URI", master)
+    assert wait_ready.shell() == says
 
 
 def test_the_first_picture_may_be_of_any_camera(wait_ready, monkeypatch):
@@ -441,7 +515,7 @@ def test_every_argument_of_the_launch_file_is_known(tmp_path):
     done = subprocess.run(
         [
             *("bash", str(tmp_path / "launch_scripts" / "run.sh"), "--screen", "-p", "11399"),
-            *(f"{name}:=" for name in names),
+            *(f"{name}:=x" for name in names),
         ],
         capture_output=True,
         text=True,
@@ -467,10 +541,10 @@ def test_a_port_that_no_master_can_have_is_refused(tmp_path, port):
     assert f"port is '{port}'; 1 to 65535" in done.stderr
 
 
-def run_alone(tmp_path, *arguments, environment=""):
+def alone(tmp_path, environment):
     """run.sh with a set-up that does nothing, and a server of a class that tells its arguments."""
     script = tmp_path / "launch_scripts" / "run.sh"
-    script.parent.mkdir()
+    script.parent.mkdir(parents=True)
     script.write_bytes((ROOT / "launch_scripts" / "run.sh").read_bytes())
     server = tmp_path / "src" / "telex_training" / "nodes" / "class"
     server.parent.mkdir(parents=True)
@@ -485,14 +559,65 @@ def run_alone(tmp_path, *arguments, environment=""):
     ):
         path.write_text(f"#!/bin/sh\n{text}\n")
         path.chmod(0o755)
+    return script
+
+
+def run_alone(tmp_path, *arguments, environment=""):
     return subprocess.run(
-        ["bash", str(script), *arguments],
+        ["bash", str(alone(tmp_path, environment)), *arguments],
         cwd=tmp_path,
         capture_output=True,
         text=True,
         timeout=30.0,
         check=False,
     )
+
+
+def test_it_ends_what_it_started_when_nobody_reads_its_output_any_more(tmp_path):
+    """As by Ctrl-C on "run.sh | tee log", which ends tee as well."""
+    python = tmp_path / "bin" / "python"
+    python.parent.mkdir()
+    python.write_text("#!/bin/sh\ncase $1 in -c | */wait_ready.py) exec sleep 60;; esac\n")
+    python.chmod(0o755)
+    script = alone(tmp_path, f'PATH="{python.parent}:$PATH"')
+    running = subprocess.Popen(
+        ["bash", str(script)], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+    )
+    assert b"Starting" in running.stdout.readline()
+    mark = f"TELEX_RUN={running.pid}-".encode()
+    end = time.monotonic() + 20.0
+    while len(processes_of(mark)) < 2 and time.monotonic() < end:
+        time.sleep(0.05)
+    running.stdout.close()
+    running.terminate()
+    assert running.wait(20.0) == 143
+    assert processes_of(mark) == []
+
+
+def test_the_robots_namespace_is_not_put_below_another(tmp_path, monkeypatch):
+    monkeypatch.setenv("ROS_NAMESPACE", "/telex")
+    done = run_alone(tmp_path, environment='echo "<${ROS_NAMESPACE-}>"; exit 0')
+    assert done.stdout == "<>\n"
+
+
+def test_the_checkout_is_the_same_by_whatever_name_it_is_started(tmp_path):
+    """Set-up takes one that is elsewhere for one that was moved, and makes all anew."""
+    script = alone(tmp_path / "checkout", 'echo "$root"; exit 0')
+    (tmp_path / "link").symlink_to("checkout")
+    for name in ("checkout", "link"):
+        started = tmp_path / name / "launch_scripts" / script.name
+        done = subprocess.run(["bash", str(started)], capture_output=True, text=True, check=True)
+        assert done.stdout == f"{tmp_path.resolve() / 'checkout'}\n"
+
+
+def test_an_argument_without_a_value_is_refused_where_roslaunch_would_take_another(tmp_path):
+    """It passes over arguments that are empty, and says nothing."""
+    done = run_alone(tmp_path, "speed:=", environment="exit 0")
+    assert done.returncode == 2
+    assert done.stderr == "run.sh: speed:= has no value; leave it out, or give one\n"
+    shutil.rmtree(tmp_path)
+    tmp_path.mkdir()
+    assert run_alone(tmp_path, "joy_dev:=", environment="exit 0").returncode == 0
 
 
 def test_a_class_is_shown_without_ros(tmp_path):
