@@ -80,6 +80,23 @@ def test_a_launch_file_finds_xacro_as_a_package(arm):
     check(yaml.safe_load(done.stdout)["/robot_description"])
 
 
+def test_options_of_a_variant_may_have_words_with_spaces_between(arm):
+    done = subprocess.run(
+        [
+            *("roslaunch", "--dump-params", "telex_description", "description.launch"),
+            "options:=cameras=front rear payload_size=0.2 0.2 0.1",
+        ],
+        env={**os.environ, "ROS_LOG_DIR": str(arm.parent)},
+        stdout=subprocess.PIPE,
+        text=True,
+        check=True,
+    )
+    model = yaml.safe_load(done.stdout)["/robot_description"]
+    assert "front_camera_link" in model
+    assert "rear_camera_link" in model
+    assert "mast_camera_link" not in model
+
+
 def test_a_package_of_the_system_comes_first(arm):
     system = arm.parent / "share" / "xacro"
     system.mkdir(parents=True)
