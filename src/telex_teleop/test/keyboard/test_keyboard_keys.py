@@ -335,16 +335,18 @@ class TestCommander:
         assert commands.preset == (PresetCommand(""),)
         assert commander.update([]).jogs == {}
 
-    def test_a_side_key_restricts_flippers_and_presets(self, commander):
-        flippers = Jog("flipper", ("front_left_joint", "front_right_joint"), 1)
+    @pytest.mark.parametrize("name", ["front_{}_joint", "{}_front_flipper_joint", "flipper_{}"])
+    def test_a_side_key_restricts_flippers_and_presets(self, commander, name):
+        joints = name.format("left"), name.format("right")
+        flippers = Jog("flipper", joints, 1)
         left, right = Side("left"), Side("right")
-        assert commander.update([flippers]).jogs["flipper"]["front_right_joint"] == 100.0
+        assert commander.update([flippers]).jogs["flipper"][joints[1]] == 100.0
         one = commander.update([flippers, left, Preset("flat")])
-        assert one.jogs["flipper"] == {"front_left_joint": 100.0, "front_right_joint": 0.0}
+        assert one.jogs["flipper"] == {joints[0]: 100.0, joints[1]: 0.0}
         assert one.preset == (PresetCommand("flat", "left"),)
         # both of them are no restriction, as on the console
         both = commander.update([flippers, left, right, Preset("flat")])
-        assert both.jogs["flipper"] == {"front_left_joint": 100.0, "front_right_joint": 100.0}
+        assert both.jogs["flipper"] == {joints[0]: 100.0, joints[1]: 100.0}
         assert both.preset == (PresetCommand("flat"),)
         assert commander.update([left]).preset == (PresetCommand(""),)
 

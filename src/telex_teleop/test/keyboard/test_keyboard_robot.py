@@ -138,7 +138,7 @@ def test_a_preset_for_a_side_names_the_flippers_of_that_side(graph):
     # without a name it would move all of them
     assert graph.sent == []
     assert robot.notice == "preset flat: no flippers known on the left"
-    names = ["front_left_flipper_joint", "front_right_flipper_joint", "rear_left_flipper_joint"]
+    names = ["front_left_flipper_joint", "front_right_flipper_joint", "left_rear_flipper_joint"]
     graph.say("/r/flipper_teleop/status", JointTeleopStatus(joint_names=names))
     robot.send(left)
     assert graph.sent[0][1].joint_names == [names[0], names[2]]

@@ -193,7 +193,7 @@ class Commander:
             if not isinstance(action, Jog):
                 continue
             for joint in action.joints:
-                if side and action.node == "flipper" and f"_{side}_" not in joint:
+                if side and action.node == "flipper" and side not in joint.split("_"):
                     continue
                 axis = (action.node, joint)
                 shares[axis] = shares.get(axis, 0.0) + share * action.sign

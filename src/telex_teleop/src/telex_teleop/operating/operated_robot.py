@@ -311,7 +311,7 @@ class OperatedRobot:
     def _flippers(self, side: str) -> List[str]:
         status = self._statuses.get("flipper")
         names = () if status is None else status[1].joint_names
-        return [name for name in names if f"_{side}_" in name]
+        return [name for name in names if side in name.split("_")]
 
     def _send_twist(self, rates: Tuple[float, ...], stamp: Any) -> None:
         message = TwistStamped()
