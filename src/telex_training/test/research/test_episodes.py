@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import json
 from pathlib import Path
 from typing import Any, List, Sequence, Tuple
 
@@ -26,12 +28,14 @@ from telex_training.operators.experts.brief import Brief
 from telex_training.operators.handling import Hand
 from telex_training.operators.port import Command, Drive, Jog
 from telex_training.recording.reader import read_recording
-from telex_training.recording.trial_file import Trial, judged
+from telex_training.recording.trial_file import CAMERAS, Trial, judged
+from telex_training.recording.writer import Attachment, RecordingError, RecordingWriter
 from telex_training.rehearsal.recorded import record
 from telex_training.rehearsal.trial import rehearsed
 from telex_training.replay.replay import Replay
 from telex_training.research import data_set
 from telex_training.research.command_vector import CommandVector
+from telex_training.research.data_set import write_data_set
 from telex_training.research.episodes import Episode, Given, episodes
 from telex_training.research.redrawing import redrawn
 from telex_training.ros.commands import message_of
@@ -227,3 +231,44 @@ def test_libraries_that_are_missing_are_named(
     monkeypatch.setattr(data_set, "MISSING", "No module named 'av'")
     assert export.main(["--lerobot", str(recorded.parent / "set"), str(recorded)]) == 1
     assert "requirements-lerobot.txt" in capsys.readouterr().err
+
+
+class _NoFiles:
+    """Stands in for a data set, whose libraries are extras."""
+
+    episodes = frames = 0
+
+    def __init__(self, *_: Any) -> None:
+        pass
+
+    def add(self, episode: Episode, pictures: Any) -> None:
+        self.episodes += 1
+
+    def finish(self) -> None:
+        pass
+
+    discard = finish
+
+
+def test_recordings_with_cameras_of_another_size_do_not_go_together(
+    recorded: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(data_set, "MISSING", "")
+    monkeypatch.setattr(data_set, "DataSet", _NoFiles)
+    params = copy.deepcopy(shipped_params())
+    front = params["cameras"]["front"]
+    front["height"] = front["width"] // 2
+    recording = read_recording(recorded)
+    cameras = Attachment("application/json", json.dumps(params).encode())
+    flat = tmp_path / "flat.mcap"
+    writer = RecordingWriter(flat, {**recording.attachments, CAMERAS: cameras})
+    for entry in recording.entries:
+        writer.put(entry, 0)
+    writer.close({})
+
+    def write(*files: Path) -> str:
+        return write_data_set(tmp_path / "set", files, ["front"], 64, 10, False)
+
+    assert "2 episodes" in write(flat, flat)
+    with pytest.raises(RecordingError, match=r"flat.*'front' makes 64 x 32, 64 x 48 that of .*t\."):
+        write(recorded, flat)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Mapping, Optional, Sequence, Tuple
+from typing import Dict, Mapping, Optional, Sequence, Tuple
 
 from telex_control.common.params import ConfigError
 from telex_sim.cameras.cameras_config import CameraConfig, shipped_params
@@ -36,6 +36,10 @@ def require_even_sides(cameras: Mapping[str, CameraConfig], width: int) -> None:
                 f"width is {width}, which makes '{name}' {camera.width} x {camera.height};"
                 " one that makes both even is needed, as 160 or 320"
             )
+
+
+def _sizes(cameras: Mapping[str, CameraConfig]) -> Dict[str, Tuple[int, int]]:
+    return {name: (camera.width, camera.height) for name, camera in cameras.items()}
 
 
 def write_data_set(
@@ -76,6 +80,7 @@ def write_data_set(
         raise RecordingError(f"rate is {rate}; {_RATES[0]} to {_RATES[1]} 1/s is possible")
     written: Optional[DataSet] = None
     first: Tuple[Tuple[str, ...], Tuple[str, ...]] = ((), ())
+    sizes: Dict[str, Tuple[int, int]] = {}
     try:
         for path in files:
             recording = read_recording(path)
@@ -85,9 +90,15 @@ def write_data_set(
             require_even_sides(used, width)
             if written is None:
                 written = DataSet(folder, rate, vector, used)
-                first = (vector.names, vector.joints)
+                first, sizes = (vector.names, vector.joints), _sizes(used)
             if first != (vector.names, vector.joints):
                 raise RecordingError(f"{path}: its robot has other joints than that of {files[0]}")
+            for name, (across, down) in _sizes(used).items():
+                if (across, down) != sizes[name]:
+                    raise RecordingError(
+                        f"{path}: its camera '{name}' makes {across} x {down}, "
+                        f"{' x '.join(map(str, sizes[name]))} that of {files[0]}"
+                    )
             for episode in episodes(recording, replay, vector, rate):
                 if episode.success or not completed:
                     written.add(episode, redrawn(replay, episode.moments, cameras, width))
