@@ -6,6 +6,9 @@ import re
 from pathlib import Path
 from xml.etree import ElementTree
 
+from roslaunch.config import ROSLaunchConfig
+from roslaunch.xmlloader import XmlLoader
+
 SOURCES = Path(__file__).resolve().parents[1] / "src"
 FILES = sorted(SOURCES.glob("*/launch/*.launch"))
 
@@ -29,3 +32,13 @@ def test_a_station_takes_what_bringup_takes_with_the_same_defaults():
     bringup = arguments("telex_teleop", "bringup.launch")
     station = arguments("telex_training", "station.launch")
     assert {name: station.get(name) for name in bringup} == bringup
+
+
+def test_a_robot_of_ones_own_finds_nothing_of_the_one_before():
+    """On a master that runs on, parameters outlive the nodes that they were for."""
+    rover = SOURCES.parent / "docs" / "examples" / "rover"
+    config = ROSLaunchConfig()
+    given = [f"model:={rover}/rover.urdf", f"controllers:={rover}/controllers.yaml", "ns:=rover"]
+    launch = SOURCES / "telex_teleop" / "launch" / "own_robot.launch"
+    XmlLoader(resolve_anon=False).load(str(launch), config, argv=given, verbose=False)
+    assert config.clear_params == ["/rover/"]
