@@ -707,6 +707,7 @@ export const DE = {
   "There is no sheet of this trial under your name.": "Zu diesem Versuch gibt es unter Ihrem Namen keinen Bogen.",
   "Progress is shown by name: ?name=YOUR-NAME": "Fortschritt wird nach Namen gezeigt: ?name=IHR-NAME",
   "There is no progress of this person under your name.": "Unter Ihrem Namen gibt es keinen Fortschritt dieser Person.",
+  "valid, signed by this station": "gültig, signiert von dieser Station",
   "valid, signed by {station}": "gültig, signiert von {station}",
   "another key: signed with {key}, which is not known here": "anderer Schlüssel: signiert mit {key}, der hier nicht bekannt ist",
   "changed: {why}": "verändert: {why}",

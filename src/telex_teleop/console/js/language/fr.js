@@ -707,6 +707,7 @@ export const FR = {
   "There is no sheet of this trial under your name.": "Il n’y a pas de fiche de cet essai à votre nom.",
   "Progress is shown by name: ?name=YOUR-NAME": "La progression s’affiche par nom : ?name=VOTRE-NOM",
   "There is no progress of this person under your name.": "Il n’y a pas de progression de cette personne à votre nom.",
+  "valid, signed by this station": "valable, signée par cette station",
   "valid, signed by {station}": "valable, signée par {station}",
   "another key: signed with {key}, which is not known here": "autre clé : signée avec {key}, inconnue ici",
   "changed: {why}": "modifiée : {why}",

@@ -240,6 +240,7 @@ export const WORDS = [
   "There is no sheet of this trial under your name.",
   "Progress is shown by name: ?name=YOUR-NAME",
   "There is no progress of this person under your name.",
+  "valid, signed by this station",
   "valid, signed by {station}",
   "another key: signed with {key}, which is not known here",
   "changed: {why}",
