@@ -18,6 +18,11 @@ from telex_training.rehearsal.store import About, Store, StoreError
 
 pytestmark = pytest.mark.slow
 
+MINE = """
+scene: room.yaml
+description: Drive a metre.
+steps: [{name: a metre, until: {moved: {what: robot, distance: 1}}}]
+"""
 ABOUT = About("slalom", "a" * 64, "scripted", "b" * 64)
 
 
@@ -212,6 +217,35 @@ class TestCommand:
         other = tmp_path / "other"
         assert self.run(other, "--seeds", "1-1", "--compare", str(tmp_path), "--json") == 0
         assert (other / "cones_3" / "own" / "1.json").read_bytes() == before
+
+    def test_outcomes_of_an_operator_or_a_scene_as_it_was_are_not_kept(
+        self,
+        tmp_path: Path,
+        monkeypatch: pytest.MonkeyPatch,
+        capsys: pytest.CaptureFixture,
+    ) -> None:
+        operator, scene = tmp_path / "own_operator_of_test.py", tmp_path / "room.yaml"
+        operator.write_text("def work(hand, brief):\n    hand.station.tick()\n")
+        scene.write_text("objects: []\n")
+        (tmp_path / "mine.yaml").write_text(MINE)
+        monkeypatch.syspath_prepend(str(tmp_path))
+        monkeypatch.chdir(tmp_path)
+
+        def again() -> int:
+            own = ("--operator", "own_operator_of_test:work", "--out", "out", "--seeds", "1")
+            return rehearse.main(["mine.yaml", *own])
+
+        assert again() == 0
+        assert again() == 0
+        with operator.open("a") as file:
+            file.write("# changed\n")
+        assert again() == 2
+        assert "out: it is of another software" in capsys.readouterr().err
+        operator.write_text(operator.read_text().replace("# changed\n", ""))
+        assert again() == 0
+        scene.write_text("objects: [{name: post, type: box, position: [3, 0, 0.5]}]\n")
+        assert again() == 2
+        assert "out: it is of another sha256" in capsys.readouterr().err
 
     def test_an_operator_that_breaks_is_named_and_tried_again(
         self, tmp_path: Path, capsys: pytest.CaptureFixture

@@ -22,6 +22,7 @@ from ..rehearsal.jobs import (
     Job,
     OperatorError,
     Rehearsed,
+    exercise_digest,
     find_operator,
     rehearse_job,
     run,
@@ -178,13 +179,16 @@ def _factor(text: str) -> float:
 
 
 def _rehearse(given: argparse.Namespace) -> int:
-    file = load_exercise(find_exercise(given.exercise))
+    # Another process may have another working folder.
+    file = load_exercise(find_exercise(given.exercise).absolute())
     settings = _settings(file, given.settings)
     find_operator(given.operator, file.first.name)
     for setting in settings:
         for line in given.lines:
             line_setting(file.setting(setting), "" if line == OWN else line)
-    about = About(file.first.name, file.first.sha256, given.operator, software_digest())
+    about = About(
+        file.first.name, exercise_digest(file), given.operator, software_digest(given.operator)
+    )
     before = None if given.compare is None else Store.open(given.compare.expanduser())
     folder = given.out or Path(FOLDER) / f"{about.exercise}-{about.sha256[:8]}-{about.software[:8]}"
     store = Store.begin(folder.expanduser(), about)

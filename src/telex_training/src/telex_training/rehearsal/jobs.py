@@ -10,8 +10,10 @@ from pathlib import Path
 from typing import Tuple
 
 from telex_control.common.file_catalog import package_path
+from telex_sim.scene.robot_in_scene import robot_description
 
-from ..exercises.exercise_file import parse_exercise
+from ..exercises.exercise_file import ExerciseFile, parse_exercise
+from ..exercises.seeds import scene_text
 from ..operators.experts.brief import Expert
 from ..operators.experts.catalog import EXPERTS
 from .figures import spread
@@ -114,9 +116,33 @@ def find_operator(name: str, exercise: str) -> Expert:
     return found
 
 
-def software_digest() -> str:
-    """SHA-256 over the sources that a trial's outcome depends on, of this checkout."""
+def exercise_digest(file: ExerciseFile) -> str:
+    """SHA-256 over an exercise's file, and the scenes and robots of its settings.
+
+    Raises
+    ------
+    ExerciseError, ConfigError
+        There is no such scene or robot.
+    """
+    digest = hashlib.sha256(file.text.encode())
+    for setting in file.settings:
+        exercise = file.setting(setting)
+        # A seed moves what the file says; any one shows what the scene's own file has.
+        digest.update(scene_text(exercise, 0).encode())
+        for variant in (exercise.variant, *(each.variant for each in exercise.robots)):
+            digest.update(robot_description(variant).encode() if variant else b"")
+    return digest.hexdigest()
+
+
+def software_digest(operator: str = SCRIPTED) -> str:
+    """SHA-256 over the sources that a trial's outcome depends on.
+
+    They are those of this checkout, and the module of an operator that can be found.
+    """
     digest = hashlib.sha256()
+    if operator != SCRIPTED:
+        source = importlib.import_module(operator.partition(":")[0]).__file__
+        digest.update(Path(source).read_bytes() if source else b"")
     for package in _PACKAGES:
         root = Path(package_path(package))
         for path in _sources(root):

@@ -28,9 +28,10 @@ class About:
     Attributes
     ----------
     exercise, sha256 : str
-        Name of the exercise, and digest of its file.
+        Name of the exercise, and digest of its file and of what that names, see
+        `jobs.exercise_digest`.
     software : str
-        Digest of the sources, see `jobs.software_digest`.
+        Digest of the sources and the operator's module, see `jobs.software_digest`.
     """
 
     exercise: str
