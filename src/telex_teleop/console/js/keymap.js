@@ -7,7 +7,7 @@ const STORED_AS = "telex.keys";
 
 export class KeyMap {
   /**
-   * @param {Storage} storage
+   * @param {import("./storage.js").Keeper} storage
    * @param {import("./vocabulary.js").Vocabulary} vocabulary  Its actions with a key can get another one.
    */
   constructor(storage, vocabulary) {
@@ -103,11 +103,7 @@ export class KeyMap {
 
   _save() {
     const own = Object.entries(this._codes).filter(([name, code]) => code !== this._defaults[name]);
-    try {
-      this._storage.setItem(STORED_AS, JSON.stringify(Object.fromEntries(own)));
-    } catch {
-      // A browser that stores nothing has the keys until the page is closed.
-    }
+    this._storage.setItem(STORED_AS, JSON.stringify(Object.fromEntries(own)));
     this.changed();
   }
 }

@@ -6,6 +6,7 @@ import { EXERCISES_DE } from "./language/exercises_de.js";
 import { EXERCISES_FR } from "./language/exercises_fr.js";
 import { FR } from "./language/fr.js";
 import { term } from "./language/term.js";
+import { storage } from "./storage.js";
 
 export { term };
 
@@ -40,21 +41,13 @@ const changed = [];
 
 /** Who is asked for a language, one after the other: the page's address, what was chosen before, the browser. */
 function wishes() {
-  return [new URLSearchParams(location.search).get("lang"), kept(), ...(navigator.languages ?? [])];
+  return [new URLSearchParams(location.search).get("lang"), storage.getItem(STORED_AS), ...(navigator.languages ?? [])];
 }
 
 /** @param {(string | null)[]} asked @returns {Language} */
 function firstOf(asked) {
   const codes = asked.map((each) => (each ?? "").toLowerCase().split("-")[0]);
   return /** @type {Language | undefined} */ (codes.find((code) => Object.hasOwn(LANGUAGES, code))) ?? "en";
-}
-
-function kept() {
-  try {
-    return localStorage.getItem(STORED_AS);
-  } catch {
-    return null; // a browser that stores nothing
-  }
 }
 
 /**
@@ -209,9 +202,5 @@ export function nextLanguage() {
 
 /** Keep the language for this browser's other pages, and for the next time. */
 export function keep() {
-  try {
-    localStorage.setItem(STORED_AS, shown);
-  } catch {
-    // A browser that stores nothing has it until the page is closed.
-  }
+  storage.setItem(STORED_AS, shown);
 }

@@ -15,7 +15,7 @@ const LEAD_TO = { DRIVE: "drive mode", CAMERA: "camera mode" };
 
 export class Layouts {
   /**
-   * @param {Storage} storage
+   * @param {import("./storage.js").Keeper} storage
    * @param {string} robot  Its namespace.
    * @param {Layout[]} layouts
    * @param {string} asked  Name of the one to begin with; what was there last where it is none.
@@ -133,10 +133,6 @@ export class Layouts {
   }
 
   _save() {
-    try {
-      this._storage.setItem(this._storedAs, JSON.stringify({ last: this._layout.name, kept: this._kept }));
-    } catch {
-      // A browser that stores nothing has its views until the page is closed.
-    }
+    this._storage.setItem(this._storedAs, JSON.stringify({ last: this._layout.name, kept: this._kept }));
   }
 }

@@ -46,6 +46,7 @@ import { RobotClient } from "./robot_client.js";
 import { showRobot } from "./several_robots.js";
 import { SURFACE, Sound } from "./sound/sound.js";
 import { SILENT_AFTER, StatusView } from "./status.js";
+import { storage } from "./storage.js";
 import { TOOL_TYPES, ToolCommander, ToolPanel } from "./tool.js";
 import { Tour } from "./tour.js";
 import { ExerciseBrief } from "./training/brief.js";
@@ -144,7 +145,7 @@ class Console {
     this._cameraCommander = new CameraCommander(vocabulary, this._bridge, topic, congested);
     this._lamps = new Lamps(vocabulary, this._bridge, topic, byId("lamps"), "command");
     this._tool = new ToolPanel(vocabulary, this._toolCommander, robot, letGo);
-    this._layouts = new Layouts(localStorage, config.namespace, vocabulary.layouts, GIVEN.get("layout") ?? "", this._cameras, vocabulary.all);
+    this._layouts = new Layouts(storage, config.namespace, vocabulary.layouts, GIVEN.get("layout") ?? "", this._cameras, vocabulary.all);
     this._aids = this._makeAids(config.namespace);
     this._modes = new ModeSwitch(vocabulary.modes, this._tool, letGo, this._layouts);
     this._tool.changed = this._cameras.grown = () => this._modes.show();
@@ -161,15 +162,15 @@ class Console {
     this._tellTelemetry = () => {}; // until there is somebody to tell it
     this._health = new Health(this._status, letGo);
     this._line = new Line((sentence, level) => this._status.log(sentence, level));
-    this._sound = new Sound(localStorage, (sentence) => this._status.log(sentence));
+    this._sound = new Sound(storage, (sentence) => this._status.log(sentence));
     this._sound.setRobot(facts);
     // What the operator presses.
-    this._keymap = new KeyMap(localStorage, vocabulary);
+    this._keymap = new KeyMap(storage, vocabulary);
     const relabel = () => labelKeys(document, this._keymap);
     this._keyDialog = new KeyDialog(vocabulary, this._keymap, relabel);
     this._keymap.changed = relabel;
     offerLayouts(/** @type {HTMLSelectElement} */ (byId("keyboard")), relabel);
-    this._tour = new Tour(localStorage, vocabulary, relabel);
+    this._tour = new Tour(storage, vocabulary, relabel);
     this._brief = new ExerciseBrief(vocabulary, GIVEN, () => this._strip.start(), letGo, relabel);
     relabel();
     this._held = new Held(() => this._heldChanged());
@@ -208,7 +209,7 @@ class Console {
       joints: this._joints, gripper: this._gripper, map: this._map, zooms: (camera) => this._cameraCommander.zooms(camera),
       paused: () => this._status.paused, warn: (sentence) => this._status.warn(sentence),
       guards: () => this._tool.guards,
-    }, localStorage, robot);
+    }, storage, robot);
     this._cameraCommander.zoomed = (camera, factor) => aids.zoom(camera, factor);
     aids.setRobot(this._facts);
     return aids;

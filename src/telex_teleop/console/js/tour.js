@@ -29,7 +29,7 @@ function jogs(node) {
 
 export class Tour {
   /**
-   * @param {Storage} storage
+   * @param {import("./storage.js").Keeper} storage
    * @param {import("./vocabulary.js").Vocabulary} vocabulary
    * @param {() => void} relabel
    */
@@ -42,7 +42,7 @@ export class Tour {
     this._step = -1;
     onClick(byId("tour-skip"), () => this._end());
     onClick(byId("tour-next"), () => this._go(this._step + 1));
-    if (this._isNew()) this.start();
+    if (storage.getItem(STORED_AS) === null) this.start();
   }
 
   start() {
@@ -80,18 +80,6 @@ export class Tour {
     this._unmark();
     this._step = -1;
     byId("tour").hidden = true;
-    try {
-      this._storage.setItem(STORED_AS, "seen");
-    } catch {
-      // A browser that stores nothing shows the tour every time.
-    }
-  }
-
-  _isNew() {
-    try {
-      return this._storage.getItem(STORED_AS) === null;
-    } catch {
-      return true;
-    }
+    this._storage.setItem(STORED_AS, "seen");
   }
 }

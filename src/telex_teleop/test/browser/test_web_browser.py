@@ -630,6 +630,26 @@ def test_without_the_websocket_pictures_come_another_way(page, robot, tmp_path):
     wait_until(lambda: len(page.thumbnails()) == 5 and page.all_live())
 
 
+def test_a_page_whose_browser_keeps_nothing_drives_and_stops(robot, page):
+    blocked = page.browser.call(
+        "Page.addScriptToEvaluateOnNewDocument",
+        source="Object.defineProperty(window, 'localStorage', {"
+        "  get() { throw new DOMException('Access is denied', 'SecurityError'); }"
+        "});",
+    )["identifier"]
+    try:
+        page.load()
+        robot.forget()
+        with page.hold("w"):
+            assert robot.wait_for(DRIVE)[0]["linear"]["x"] == 1.2
+        page.press("Escape")
+        assert robot.wait_for(ESTOP)[-1] == {"data": True}
+    finally:
+        page.browser.call("Page.removeScriptToEvaluateOnNewDocument", identifier=blocked)
+        page.load()
+    page.wait_until_all_is_shown()
+
+
 def test_a_page_that_is_not_told_the_actions_says_so_and_stops_all_the_same(robot, page):
     def block(*addresses):
         page.browser.call("Network.setBlockedURLs", urls=list(addresses))

@@ -85,13 +85,6 @@ for (const stored of ODD) {
   });
 }
 
-test("a browser that stores nothing has the keys until the page is closed", () => {
-  const refusing = { getItem: () => null, setItem: () => { throw new Error("QuotaExceededError"); } };
-  const keys = kept(refusing);
-  keys.set("estop", "F13");
-  assert.equal(keys.codeOf("estop"), "F13");
-});
-
 test("a key is called as most keyboards print it", () => {
   assert.equal(made().capOf("KeyB"), "B");
   assert.equal(made().capOf("F13"), "F13");

@@ -65,7 +65,7 @@ class Heard {
 export class Aids {
   /**
    * @param {Sources} sources
-   * @param {Storage} storage
+   * @param {import("../storage.js").Keeper} storage
    * @param {string} robot  Its namespace.
    */
   constructor(sources, storage, robot) {

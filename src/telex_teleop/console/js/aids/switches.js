@@ -24,7 +24,7 @@ const AIDS = {
 
 export class Switches {
   /**
-   * @param {Storage} storage
+   * @param {import("../storage.js").Keeper} storage
    * @param {string} robot  Its namespace.
    * @param {import("../vocabulary.js").Vocabulary} vocabulary
    * @param {import("../layouts.js").Layouts} layouts  Whose present one counts.
@@ -143,10 +143,6 @@ export class Switches {
   }
 
   _save() {
-    try {
-      this._storage.setItem(this._storedAs, JSON.stringify(this._kept));
-    } catch {
-      // A browser that stores nothing has them until the page is closed.
-    }
+    this._storage.setItem(this._storedAs, JSON.stringify(this._kept));
   }
 }

@@ -1,6 +1,8 @@
 // @ts-check
 /** What is printed on the keys of the user's keyboard: as the browser tells it, else as the user has chosen. */
 
+import { storage } from "../storage.js";
+
 /** By KeyboardEvent.code what is another sign than on a US keyboard. @typedef {Record<string, string>} Caps */
 
 /** @type {Caps} */
@@ -77,16 +79,8 @@ async function toldLayout() {
   }
 }
 
-/** Chosen on this page. @type {string | null} */
-let chosen = null;
-
 function chosenLayout() {
-  let kept = chosen;
-  try {
-    kept ??= localStorage.getItem(STORED_AS);
-  } catch {
-    // a browser that stores nothing
-  }
+  const kept = storage.getItem(STORED_AS);
   return kept !== null && Object.hasOwn(LAYOUTS, kept) ? kept : usualLayout(navigator.languages ?? []);
 }
 
@@ -104,12 +98,7 @@ export async function offerLayouts(choice, relabel) {
   choice.replaceChildren(...Object.entries(LAYOUTS).map(([code, { name }]) => new Option(name, code)));
   choice.value = chosenLayout();
   choice.addEventListener("change", () => {
-    chosen = choice.value;
-    try {
-      localStorage.setItem(STORED_AS, chosen);
-    } catch {
-      // A browser that stores nothing has it until the page is closed.
-    }
+    storage.setItem(STORED_AS, choice.value);
     choice.blur(); // keys are the robot's again
     relabel();
   });

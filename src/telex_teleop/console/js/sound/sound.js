@@ -31,7 +31,7 @@ const GESTURES = ["keydown", "pointerup", "click"];
 
 export class Sound {
   /**
-   * @param {Storage} storage  Keeps volume, and whether it is on.
+   * @param {import("../storage.js").Keeper} storage  Keeps volume, and whether it is on.
    * @param {(sentence: string) => void} log
    */
   constructor(storage, log) {
@@ -278,10 +278,6 @@ export class Sound {
   }
 
   _save() {
-    try {
-      this._storage.setItem(STORED_AS, JSON.stringify({ on: this._on, volume: this._volume }));
-    } catch {
-      // A browser that stores nothing has it until the page is closed.
-    }
+    this._storage.setItem(STORED_AS, JSON.stringify({ on: this._on, volume: this._volume }));
   }
 }

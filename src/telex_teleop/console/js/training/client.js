@@ -2,6 +2,7 @@
 /** Client of the training node. */
 
 import { onLanguage } from "../language.js";
+import { storage } from "../storage.js";
 
 /** Phases of a trial that has begun and has not ended. */
 export const BEGUN = ["preparing", "waiting", "running", "between"];
@@ -91,12 +92,12 @@ export class TrainingClient {
 
 /** Who sits here, as was typed last. */
 export function rememberedOperator() {
-  return localStorage.getItem(OPERATOR) ?? "";
+  return storage.getItem(OPERATOR) ?? "";
 }
 
 /** @param {string} name */
 export function rememberOperator(name) {
-  localStorage.setItem(OPERATOR, name);
+  storage.setItem(OPERATOR, name);
 }
 
 /**

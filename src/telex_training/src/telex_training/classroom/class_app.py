@@ -38,7 +38,7 @@ _FILES = (
     "elements.js",
     "replay/language.js",
 )
-_OF_CONSOLE = ("buttons.js", "language.js")
+_OF_CONSOLE = ("buttons.js", "language.js", "storage.js")
 _HEADERS = {
     "Cache-Control": "no-store",
     "Content-Security-Policy": (
