@@ -36,27 +36,21 @@ export class Lamps {
       this._bridge.advertise(this._topic(lamp), LEVEL);
       this._bridge.subscribe({
         topic: this._level(lamp), type: LEVEL, throttle: 0, heard: ({ data }) => {
-          this._take(lamp, data);
+          this._lit[data > 0 ? "add" : "delete"](lamp);
           this._show();
         },
       });
     }
   }
 
-  /** @param {string[]} lamps  Lights these lamps, or puts them out if one of them is lit. @returns {boolean} Whether the bridge took it. */
+  /**
+   * Light these lamps, or put them out if one of them is lit. They are shown as the robot tells: the bridge may refuse it.
+   * @param {string[]} lamps
+   * @returns {boolean} Whether it was sent.
+   */
   toggle(lamps) {
     const data = lamps.some((lamp) => this._lit.has(lamp)) ? 0 : 1;
-    for (const lamp of lamps) {
-      if (!this._bridge.publish(this._topic(lamp), { data })) return false;
-      this._take(lamp, data);
-    }
-    this._show();
-    return true;
-  }
-
-  /** @param {string} lamp @param {number} level */
-  _take(lamp, level) {
-    this._lit[level > 0 ? "add" : "delete"](lamp);
+    return lamps.every((lamp) => this._bridge.publish(this._topic(lamp), { data }));
   }
 
   _show() {

@@ -238,7 +238,7 @@ class Console {
    */
   _commandOf(name) {
     const does = this._vocabulary.get(name)?.does;
-    if (does?.kind === "lamps") return () => { this._lamps.toggle(does.names); };
+    if (does?.kind === "lamps") return () => this._toggleLamps(does.names);
     return does?.kind === "command" ? this._commands[does.name] : undefined;
   }
 
@@ -327,16 +327,29 @@ class Console {
 
   /** Whether a press counts now; if not, the operator is told why. */
   _mayPress() {
-    const { _status: status, _control: control } = this;
+    const { _status: status } = this;
     if (!this._bridge.connected) status.warn(text("not connected: nothing can be moved"));
     else if (status.estopped) status.warn(text("e-stop is active: release it first"));
-    else if (control.givesUp) status.warn(text("control is being given up: nothing is sent until the robot's side knows"));
-    else if (control.isWatching) status.warn(text("{name} has control: you are watching", { name: control.holderName }));
+    else if (!this._mayCommand()) return false;
     else if (this._keyDialog.isOpen) status.warn(text("close the list of keys first"));
     else if (this._chooser.isOpen) status.warn(text("close the list of exercises first"));
     else if (this._brief.isOpen) status.warn(text("close the brief first"));
     else return true;
     return false;
+  }
+
+  /** Whether control is not somebody else's; if it is, the operator is told. */
+  _mayCommand() {
+    const { _status: status, _control: control } = this;
+    if (control.givesUp) status.warn(text("control is being given up: nothing is sent until the robot's side knows"));
+    else if (control.isWatching) status.warn(text("{name} has control: you are watching", { name: control.holderName }));
+    else return true;
+    return false;
+  }
+
+  /** @param {string[]} lamps */
+  _toggleLamps(lamps) {
+    if (this._mayCommand() && !this._lamps.toggle(lamps)) this._status.warn(text("not connected"));
   }
 
   /** @param {boolean} data  Whether to stop. */

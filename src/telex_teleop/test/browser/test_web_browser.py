@@ -466,6 +466,9 @@ def test_camera_mode_pans_zooms_and_switches_lamps(robot, page):
     assert 1.2 <= factors[0] < factors[-1] <= 2.4
     button.click()
     assert robot.wait_for(lamp)[-1] == {"data": 1.0}
+    assert button.get_attribute("aria-checked") == "false"  # until the robot says that it is lit
+    robot.probe.publish(level, number, {"data": 1.0}, latch=True)
+    wait_until(lambda: button.get_attribute("aria-checked") == "true")
     page.press("Home")
     assert robot.wait_for(lamp, 2)[-1] == {"data": 0.0}
     page.mode("JOINT")
@@ -578,6 +581,11 @@ def test_another_who_has_control_lets_this_page_watch_only(ros, robot, page):
     with page.hold("w"):
         wait_until(lambda: page.text("warning") == "Ann has control: you are watching")
         assert robot.is_quiet(DRIVE)
+    lamp = "/telex/lamps/front_left/command"
+    robot.probe.subscribe(lamp, "std_msgs/Float64")
+    page.press("Home")
+    assert robot.is_quiet(lamp)
+    assert "holds control" not in page.text("warning")  # the page itself knows better
     page.element("#control-button").click()
     wait_until(lambda: "holds control" in page.text("warning"))
     page.press("Escape")  # everybody may stop the robot
