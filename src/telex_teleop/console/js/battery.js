@@ -30,12 +30,16 @@ export class BatteryView {
 
   /** @param {any} message  sensor_msgs/BatteryState */
   set({ percentage, charge, current }) {
+    // What is not measured comes as null, which compares as zero.
+    const isKnown = Number.isFinite(percentage);
     const chip = byId("battery");
-    chip.hidden = !Number.isFinite(percentage);
-    this.isLow = percentage < LOW;
-    if (chip.hidden) return;
-    const taken = Math.max(0, -current);
-    if (Number.isFinite(taken)) this._current = this._current === null ? taken : this._current + RENEWAL * (taken - this._current);
+    chip.hidden = !isKnown;
+    this.isLow = isKnown && percentage < LOW;
+    if (!isKnown) return;
+    if (Number.isFinite(current)) {
+      const taken = Math.max(0, -current);
+      this._current = this._current === null ? taken : this._current + RENEWAL * (taken - this._current);
+    }
     chip.dataset.low = String(this.isLow);
     const minutes = runtime(charge, this._current);
     // There is room for one of them: for driving, the range matters.
