@@ -11,13 +11,25 @@ from telex_training.operators.handling import Hand
 from telex_training.operators.port import NotManagedError
 
 
+class StubbornError(Exception):
+    """An error that cannot be read out of a pipe: it is made of two values, and kept as one."""
+
+    def __init__(self, place: str, why: str) -> None:
+        super().__init__(f"{place}: {why}")
+
+
 def work(job: str) -> str:
-    """``double TEXT``, ``raise TEXT``, ``die FILE TIMES``: is killed until the file is so long."""
+    """``double TEXT``, ``raise TEXT``, ``stick TEXT``, ``die FILE TIMES``.
+
+    What dies is killed until the file is so long.
+    """
     kind, _, rest = job.partition(" ")
     if kind == "double":
         return rest + rest
     if kind == "raise":
         raise ValueError(rest)
+    if kind == "stick":
+        raise StubbornError("wall", rest)
     name, times = rest.split()
     path = Path(name)
     if len(path.read_text()) < int(times):

@@ -15,6 +15,8 @@ from telex_training.rehearsal.crew import CrewError, LostError, do_elsewhere, do
 
 distributed = pytest.importorskip("distributed")
 
+pytestmark = pytest.mark.slow
+
 SOURCES = "0" * 64
 
 
@@ -42,10 +44,13 @@ class TestHere:
         return told
 
     def test_each_job_is_told_its_result_or_its_error(self) -> None:
-        told = self.here(["double a", "raise no such wall", "double b"])
+        told = self.here(["double a", "raise no such wall", "stick no way", "double b"])
         assert told.results == {"double a": "aa", "double b": "bb"}
         assert isinstance(told.errors["raise no such wall"], ValueError)
         assert str(told.errors["raise no such wall"]) == "no such wall"
+        # Whose kind cannot be made again of what pickle keeps: in words.
+        assert isinstance(told.errors["stick no way"], crew.WorkError)
+        assert str(told.errors["stick no way"]) == "rehearsal_jobs.StubbornError: wall: no way"
 
     def test_a_lost_process_costs_no_job(self, tmp_path: Path) -> None:
         once = tmp_path / "once"

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import pickle
 import platform
 import socket
+import traceback
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -34,6 +36,10 @@ class CrewError(RuntimeError):
 
 class LostError(RuntimeError):
     """A job's process was lost as often as it was begun."""
+
+
+class WorkError(RuntimeError):
+    """What a job raised could not leave its process; the message says what it was."""
 
 
 def processors() -> int:
@@ -84,7 +90,7 @@ def _in_pool(
         while running or (left and not suspects):
             while left and len(running) < workers and not suspects:
                 try:
-                    running[pool.submit(work, left[0])] = left[0]
+                    running[pool.submit(_done, work, left[0])] = left[0]
                 except BrokenProcessPool:
                     break
                 left.pop(0)
@@ -100,7 +106,7 @@ def _in_pool(
 def _alone(job: Job, work: Callable[[Job], Result], done: Done[Job, Result]) -> None:
     for _ in range(TRIES - 1):
         with _pool(1) as pool:
-            future = pool.submit(work, job)
+            future = pool.submit(_done, work, job)
             wait([future])
         if not isinstance(future.exception(), BrokenProcessPool):
             _tell(future, job, done)
@@ -113,6 +119,19 @@ def _tell(future: Any, job: Job, done: Done[Job, Result]) -> None:
     if error is not None and not isinstance(error, Exception):
         raise error
     done(job, None if error is not None else future.result(), error)
+
+
+def _done(work: Callable[[Job], Result], job: Job) -> Result:
+    """Do a job, in its own process: what cannot be read out of a pipe would spoil the pool."""
+    try:
+        return work(job)
+    except Exception as error:
+        try:
+            pickle.loads(pickle.dumps(error))
+        except Exception:  # an operator's own kind of error raises whatever it leads to
+            text = traceback.format_exception_only(type(error), error)[-1].strip()
+            raise WorkError(text) from None
+        raise
 
 
 @contextmanager
@@ -181,7 +200,7 @@ def do_elsewhere(
     _check_answers(scheduler)
     with distributed.Client(scheduler, timeout=CONNECTING) as client:
         compare(client.run(about_machine), about_machine(), scheduler, warn)
-        futures = {client.submit(work, job, pure=False): job for job in jobs}
+        futures = {client.submit(_done, work, job, pure=False): job for job in jobs}
         for future in distributed.as_completed(list(futures)):
             job, raised = futures.pop(future), future.exception()
             if isinstance(raised, distributed.KilledWorker):
