@@ -19,8 +19,10 @@ export function walkButtons() {
   const at = document.activeElement;
   if (at instanceof HTMLElement && at !== document.body) return at.blur();
   const dialog = [...document.querySelectorAll("[role=dialog]")].find((each) => each instanceof HTMLElement && !each.hidden);
-  const first = (dialog ?? document).querySelector("button:not(:disabled)");
-  if (first instanceof HTMLElement) first.focus(/** @type {any} */ ({ focusVisible: true }));
+  /** @type {NodeListOf<HTMLElement>} */
+  const buttons = (dialog ?? document).querySelectorAll("button:not(:disabled)");
+  // One that is hidden takes no focus, and has no place on the page.
+  [...buttons].find((each) => each.getClientRects().length > 0)?.focus(/** @type {any} */ ({ focusVisible: true }));
 }
 
 /** Whether a key may do something, or belongs to whatever has the focus. @param {KeyboardEvent} event  @param {string} name */

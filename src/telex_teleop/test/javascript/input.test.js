@@ -7,7 +7,7 @@ import { beforeEach, test } from "node:test";
 import "./browser.js";
 import { GamepadInput } from "../../console/js/gamepad.js";
 import { Held } from "../../console/js/held.js";
-import { listenToKeys, listenToPointers } from "../../console/js/input.js";
+import { listenToKeys, listenToPointers, walkButtons } from "../../console/js/input.js";
 
 class FakeElement {
   dataset = { action: "ahead" };
@@ -94,6 +94,35 @@ test("a finger's movement is no release", () => {
   say("pointerdown", { target: button, buttons: 1, pointerType: "touch" });
   say("pointermove", { target: button, buttons: 0, pointerType: "touch" });
   assert.deepEqual([...held.actions], ["ahead"]);
+});
+
+test("walking begins at the first button that is seen", () => {
+  class Button extends FakeElement {
+    /** @param {boolean} isSeen */
+    constructor(isSeen) {
+      super("button");
+      this.isSeen = isSeen;
+    }
+
+    getClientRects() {
+      return this.isSeen ? [{}] : [];
+    }
+
+    focus() {
+      if (this.isSeen) Object.assign(document, { activeElement: this });
+    }
+
+    blur() {
+      Object.assign(document, { activeElement: null });
+    }
+  }
+  const buttons = [false, true, true].map((isSeen) => new Button(isSeen));
+  const brief = Object.assign(new FakeElement("div"), { hidden: false, querySelector: () => buttons[0], querySelectorAll: () => buttons });
+  Object.assign(document, { body: null, querySelectorAll: () => [brief] });
+  walkButtons();
+  assert.equal(document.activeElement, buttons[1]);
+  walkButtons();
+  assert.equal(document.activeElement, null);
 });
 
 test("what another gamepad holds does not go on when one is pulled out", () => {
