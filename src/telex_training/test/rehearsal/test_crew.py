@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import socket
 from pathlib import Path
@@ -104,6 +105,15 @@ class TestElsewhere:
         assert told.results == {"double a": "aa"}
         assert str(told.errors["raise at a wall"]) == "at a wall"
         assert warnings == []
+
+    def test_a_worker_with_other_sources_that_comes_later_is_refused(
+        self, warnings: List[str], monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        # Asked twice before the jobs: there, and here.
+        digests = itertools.chain([SOURCES] * 2, itertools.repeat("1" * 64))
+        monkeypatch.setattr(crew, "software_digest", lambda: next(digests))
+        with pytest.raises(CrewError, match="has other sources than this machine"):
+            self.elsewhere(warnings, ["double a"])
 
     @pytest.mark.parametrize("address", ["", "nonsense", "http://a:1", "tcp://a", "tcp://a:99999"])
     def test_what_is_no_address_is_refused(self, warnings: List[str], address: str) -> None:

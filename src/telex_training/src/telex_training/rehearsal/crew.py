@@ -12,7 +12,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from importlib import metadata
-from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, TypeVar
+from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Set, Tuple, TypeVar
 from urllib.parse import urlsplit
 
 from .jobs import software_digest
@@ -198,16 +198,43 @@ def do_elsewhere(
             "pip install -r requirements-many-machines.txt"
         ) from error
     _check_answers(scheduler)
+    here = about_machine()
+    warned: Set[str] = set()
+
+    def warn_once(text: str) -> None:
+        if text not in warned:
+            warned.add(text)
+            warn(text)
+
     with distributed.Client(scheduler, timeout=CONNECTING) as client:
-        compare(client.run(about_machine), about_machine(), scheduler, warn)
-        futures = {client.submit(_done, work, job, pure=False): job for job in jobs}
+        machines = client.run(about_machine)
+        compare(machines, here, scheduler, warn_once)
+        sources = here["sources"]
+        futures = {client.submit(_done_there, work, job, sources, pure=False): job for job in jobs}
         for future in distributed.as_completed(list(futures)):
             job, raised = futures.pop(future), future.exception()
             if isinstance(raised, distributed.KilledWorker):
                 done(job, None, LostError(str(raised)))
-            else:
+            elif raised is not None:
                 _tell(future, job, done)
+            else:
+                worker, about, result = future.result()
+                if machines.get(worker) != about:  # it came later
+                    compare({worker: about}, here, scheduler, warn_once)
+                    machines[worker] = about
+                done(job, result, None)
             future.release()
+
+
+def _done_there(
+    work: Callable[[Job], Result], job: Job, sources: str
+) -> Tuple[str, Dict[str, str], Optional[Result]]:
+    """Do a job in a worker, unless it has other sources; returns also its address and machine."""
+    import distributed  # a worker has it
+
+    about = about_machine()
+    result = _done(work, job) if about["sources"] == sources else None
+    return distributed.get_worker().address, about, result
 
 
 def _check_answers(scheduler: str) -> None:
