@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import time
 from pathlib import Path
 
 from telex_training.operators.experts.brief import Brief
@@ -19,7 +20,7 @@ class StubbornError(Exception):
 
 
 def work(job: str) -> str:
-    """``double TEXT``, ``raise TEXT``, ``stick TEXT``, ``die FILE TIMES``.
+    """``double TEXT``, ``raise TEXT``, ``stick TEXT``, ``wait``, ``die FILE TIMES``.
 
     What dies is killed until the file is so long.
     """
@@ -28,6 +29,9 @@ def work(job: str) -> str:
         return rest + rest
     if kind == "raise":
         raise ValueError(rest)
+    if kind == "wait":
+        time.sleep(1.0)
+        return "late"
     if kind == "stick":
         raise StubbornError("wall", rest)
     name, times = rest.split()

@@ -21,6 +21,18 @@ pytestmark = pytest.mark.slow
 SOURCES = "0" * 64
 
 
+def small_cluster() -> Any:
+    """Make a scheduler and a worker in this process."""
+    return distributed.LocalCluster(
+        n_workers=1,
+        threads_per_worker=1,
+        processes=False,
+        dashboard_address=None,
+        protocol="tcp://",
+        host="127.0.0.1",
+    )
+
+
 class Told:
     """What was told of the jobs."""
 
@@ -86,14 +98,7 @@ class TestElsewhere:
 
     def elsewhere(self, warnings: List[str], jobs: Sequence[str]) -> Told:
         told = Told()
-        with distributed.LocalCluster(
-            n_workers=1,
-            threads_per_worker=1,
-            processes=False,
-            dashboard_address=None,
-            protocol="tcp://",
-            host="127.0.0.1",
-        ) as cluster:
+        with small_cluster() as cluster:
             do_elsewhere(jobs, work, cluster.scheduler_address, told, warnings.append)
         return told
 
@@ -114,6 +119,17 @@ class TestElsewhere:
         monkeypatch.setattr(crew, "software_digest", lambda: next(digests))
         with pytest.raises(CrewError, match="has other sources than this machine"):
             self.elsewhere(warnings, ["double a"])
+
+    def test_a_scheduler_that_is_lost_is_said(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr(crew, "software_digest", lambda: SOURCES)
+        with small_cluster() as cluster:
+
+            def lose(job: str, result: Any, error: Any) -> None:
+                cluster.close()
+
+            address = cluster.scheduler_address
+            with pytest.raises(CrewError, match=f"scheduler {address}: the connection was lost"):
+                do_elsewhere(["double a", "wait"], work, address, lose, print)
 
     @pytest.mark.parametrize("address", ["", "nonsense", "http://a:1", "tcp://a", "tcp://a:99999"])
     def test_what_is_no_address_is_refused(self, warnings: List[str], address: str) -> None:

@@ -187,8 +187,8 @@ def do_elsewhere(
     Raises
     ------
     CrewError
-        The library is not installed, nobody answers at the address, there are no workers, or they
-        have other sources.
+        The library is not installed, nobody answers at the address or any more, there are no
+        workers, or they have other sources.
     """
     try:
         import distributed  # optional: requirements-many-machines.txt
@@ -212,6 +212,8 @@ def do_elsewhere(
         sources = here["sources"]
         futures = {client.submit(_done_there, work, job, sources, pure=False): job for job in jobs}
         for future in distributed.as_completed(list(futures)):
+            if future.cancelled():
+                raise CrewError(f"scheduler {scheduler}: the connection was lost")
             job, raised = futures.pop(future), future.exception()
             if isinstance(raised, distributed.KilledWorker):
                 done(job, None, LostError(str(raised)))
