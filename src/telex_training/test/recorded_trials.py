@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
-from telex_msgs.msg import BridgeClient, BridgeClients
+from telex_msgs.msg import BridgeClient, BridgeClients, InstructorAction
 from training_truth import SCENE, exercise, serialized
 from training_truth import Trial as JudgedTrial
 
@@ -141,8 +141,16 @@ def record(
     return path
 
 
-def judged_trial(folder: Path, operator: str = "ann", others: Sequence[str] = ()) -> Path:
-    """Record a trial that the judge has judged: driven there, noted, marked, with others around."""
+def judged_trial(
+    folder: Path,
+    operator: str = "ann",
+    others: Sequence[str] = (),
+    actions: Sequence[InstructorAction] = (),
+) -> Path:
+    """Record a trial that the judge has judged: driven there, noted, marked, with others around.
+
+    It is an exam, which instructors' actions make invalid.
+    """
     name = f"{STAMP}_{safe_name(operator)}_drill"
     text = DRILL + "scene:" + SCENE.replace("\n", "\n  ") + "\n"
     trial = JudgedTrial(exercise(text))
@@ -153,6 +161,8 @@ def judged_trial(folder: Path, operator: str = "ann", others: Sequence[str] = ()
     trial.input("start")
     trial.input("ready")
     trial.sample()
+    for action in actions:
+        trial.feed("bridge/actions", action._type, serialized(action))
     trial.drive(3.0, 1.5)
     trial.input("pause", on=True, by=operator)
     trial.robot = ((0.0, 0.0, 0.112), trial.robot[1])
@@ -162,7 +172,8 @@ def judged_trial(folder: Path, operator: str = "ann", others: Sequence[str] = ()
     trial.input("moment", at=2.0, text=f"here {operator} turned", by=operator, instructor=False)
     trial.input("mark", verdict="passed", reason=f"well done, {operator}!", by="instructor")
     made = json.loads(trial.judge.text())
-    assert made["verdict"] == "passed"
+    assert made["valid"] == (not actions)
+    assert made["verdict"] == "passed" or actions
     return record(folder, operator, made=made, entries=trial.entries, text=text)
 
 

@@ -7,7 +7,10 @@ import re
 
 import pytest
 from recorded_trials import judged_trial, record, wall_of
+from telex_msgs.msg import BridgeClient, BridgeClients, InstructorAction
+from training_truth import serialized
 
+from telex_training.judging.entries import Entry
 from telex_training.progress.exports import trials_csv
 from telex_training.progress.index import ProgressIndex
 from telex_training.progress.people import EXPORTS, PeopleError, expire, forget, new_pseudonym
@@ -77,6 +80,46 @@ class TestRename:
         assert b"bob" not in everything(path)
         after = read_trial(path, verify=True)
         assert (after.operator, after.trial, after.verdict) == ("ann", path.stem, before.verdict)
+
+    @pytest.mark.parametrize(
+        "name", ["bob", "Jörg O'Brien", "moved", "1", "post", "name", 30 * "ab"]
+    )
+    def test_an_instructor_who_changed_the_scene_is_renamed_and_the_sheet_fits(
+        self, tmp_path, name
+    ):
+        place = {"position": {"x": 1.0, "y": 2.0, "z": 0.0}}
+        moved = {"name": "post", "pose": place}
+        put_in = {"object": f"what is of {name}", "pose": place}
+        path = judged_trial(
+            tmp_path,
+            others=[name],
+            actions=[
+                InstructorAction(by=name, service="sim/move", request=json.dumps(moved)),
+                InstructorAction(by=name, service="sim/spawn", request=json.dumps(put_in)),
+            ],
+        )
+        assert rename_person(path, name, "person-2").path == path
+        sheet = json.loads(read_recording(path).attachments["sheet.json"].data)
+        assert sheet["invalid_because"] == ["person-2 has changed the scene"]
+        assert {note["by"] for note in sheet["notes"]} == {"ann", "person-2"}
+        assert sheet["notes"][1]["text"] == "put in: what is of person-2"
+        read_trial(path, verify=True)
+        if name == "bob":
+            assert b"bob" not in everything(path)
+
+    def test_an_instructor_of_a_further_robot_is_renamed(self, tmp_path, judged):
+        action = InstructorAction(by="bob", service="sim/delete", request="cut")
+        clients = BridgeClients(clients=[BridgeClient(id="1", name="bob")])
+        entries = read_recording(judged(tmp_path / "a")).entries
+        for channel, message in (
+            ("second/bridge/actions", action),
+            ("second/bridge/clients", clients),
+        ):
+            number = entries[-1].number + 1
+            entries.append(Entry(number, 1.0, channel, message._type, serialized(message)))
+        path = record(tmp_path / "b", entries=entries)
+        assert rename_person(path, "bob", "person-2").left == []
+        assert b"bob" not in everything(path)
 
     def test_a_recording_without_the_name_is_left_alone(self, tmp_path, judged):
         path = judged(tmp_path)

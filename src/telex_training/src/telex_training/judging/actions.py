@@ -28,6 +28,11 @@ def action_of(entry: Entry) -> Tuple[str, str]:
     return str(message.by), words(fields)[:_LONGEST]
 
 
+def interference(by: str) -> str:
+    """Why an exam is invalid in which somebody has changed the scene, in words."""
+    return f"{by[:40]} has changed the scene"
+
+
 def _text(fields: Mapping[str, Any], name: str) -> str:
     return str(fields.get(name, ""))[:_LONGEST]
 

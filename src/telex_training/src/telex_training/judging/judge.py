@@ -11,7 +11,7 @@ from ..exercises.conditions import EVENTS
 from ..exercises.model import EXAM, MODES, PRACTICE, Exercise, Failure
 from ..exercises.seeds import scene_of
 from . import sheet as sheets
-from .actions import action_of
+from .actions import action_of, interference
 from .activity import COMMANDS, STATUSES
 from .conditions import Context
 from .entries import (
@@ -385,7 +385,7 @@ class Judge:
         self._note({"text": words, "by": by})
         exam = self._record.is_exam
         if exam and self._record.phase in (WAITING, RUNNING, BETWEEN):
-            self._invalidate(f"{by[:40]} has changed the scene")
+            self._invalidate(interference(by))
 
     def _take_light(self, entry: Entry) -> None:
         exam = self._record.is_exam

@@ -1,9 +1,10 @@
 """Takes a person's name out of a recording.
 
 The name stands in the file's name, in the attachments ``trial.json`` and ``sheet.json``, in the
-training's own inputs and among the bridge's clients. The sheet's hash is over all messages, so the
-file gets another one, and with it a sheet that fits; a valid signature is made anew. The old hash
-is not kept: whoever had it could try names until one of them makes it again.
+training's own inputs, and among the bridge's clients and what instructors have done. The sheet's
+hash is over all messages, so the file gets another one, and with it a sheet that fits; a valid
+signature is made anew. The old hash is not kept: whoever had it could try names until one of them
+makes it again.
 """
 
 from __future__ import annotations
@@ -20,7 +21,18 @@ from typing import Any, Dict, List, Optional
 from mcap.records import Attachment as AttachmentRecord
 from mcap.stream_reader import StreamReader
 
-from ..judging.entries import CLIENTS, INPUTS, NAMES, TRUTH, BadEntryError, Entry, decode, json_of
+from ..judging.actions import interference
+from ..judging.entries import (
+    ACTIONS,
+    CLIENTS,
+    INPUTS,
+    NAMES,
+    TRUTH,
+    BadEntryError,
+    Entry,
+    decode,
+    json_of,
+)
 from ..judging.sheet import sheet_text
 from .amending import alone
 from .reader import Recording, is_being_written, read_recording
@@ -40,6 +52,8 @@ from .writer import Attachment, RecordingError, RecordingWriter, Seal
 MARK = "pseudonymised.json"
 """Attachment of a recording out of which a name was taken."""
 _PEOPLE, _TEXTS = ("operator", "by"), ("text", "reason")
+_REASONS = ("invalid_because", "name")
+"""Where a sheet says why a trial is invalid: in its list, and as what an event is called."""
 _DRAFTS = ("amended", "repaired", "imported", "pseudonymised")
 _STAMP = 17
 """Letters of the date at the beginning of a trial's name."""
@@ -129,13 +143,37 @@ def _rename(recording: Recording, name: str, pseudonym: str) -> Optional[Renamed
     ending: Dict[str, Attachment] = {}
     old = attachments.pop(SHEET, None)
     if old is not None:
-        sheet = renamer.content(json.loads(old.data))
-        sheet["trial"] = trial if own else sheet["trial"]
-        sheet["log"]["sha256"] = _hash(changed)
-        ending[SHEET] = sheet_attachment(sheet_text(sheet))
+        made = _made_again(recording, old, changed)
+        if made is None:
+            made = renamer.content(json.loads(old.data))
+            made["trial"] = trial if own else made["trial"]
+            made["log"]["sha256"] = _hash(changed)
+        ending[SHEET] = sheet_attachment(sheet_text(made))
     target = path.with_name(f"{trial}{SUFFIX}")
     _write(path, target, changed, ending, sealing_again(recording))
     return Renamed(target, own, _left(changed, ending, name))
+
+
+def _made_again(
+    recording: Recording, sheet: Attachment, changed: Recording
+) -> Optional[Dict[str, Any]]:
+    """Make the sheet of a changed recording in which instructors have done something.
+
+    The judge says in words what they did: a name may be one of these words.
+
+    Returns
+    -------
+    dict or None
+        None where nobody did anything, or this version makes another sheet of the old recording.
+    """
+    if not any(_is_of(ACTIONS, entry) for entry in recording.entries):
+        return None
+    try:
+        if sheet_text(judged(recording).sheet()).encode() == sheet.data:
+            return judged(changed).sheet()
+    except RecordingError:
+        pass
+    return None
 
 
 def _hash(recording: Recording) -> str:
@@ -161,8 +199,10 @@ class _Renamer:
                 changed = self.content(content)
                 if changed != content:
                     return entry._replace(data=serialised_input(changed))
-            elif entry.channel == CLIENTS:
+            elif _is_of(CLIENTS, entry):
                 return self._clients(entry)
+            elif _is_of(ACTIONS, entry):
+                return self._action(entry)
         except BadEntryError:
             pass
         return entry
@@ -174,9 +214,28 @@ class _Renamer:
             return entry
         for client in named:
             client.name, client.address = self._pseudonym, ""
-        file = BytesIO()
-        message.serialize(file)
-        return entry._replace(data=file.getvalue())
+        return _with(entry, message)
+
+    def _action(self, entry: Entry) -> Entry:
+        message = decode(entry, "telex_msgs/InstructorAction")
+        before = message.by, message.request
+        if message.by.strip() == self._name:
+            message.by = self._pseudonym
+        try:
+            fields = json.loads(message.request)
+        except (ValueError, RecursionError):
+            fields = None
+        changed = self._words(fields)
+        if changed != fields:
+            message.request = json.dumps(changed, sort_keys=True)
+        return entry if (message.by, message.request) == before else _with(entry, message)
+
+    def _words(self, value: Any) -> Any:
+        if isinstance(value, dict):
+            return {name: self._words(item) for name, item in value.items()}
+        if isinstance(value, list):
+            return [self._words(item) for item in value]
+        return self._word.sub(self._pseudonym, value) if isinstance(value, str) else value
 
     def content(self, content: Any) -> Any:
         """Rename in plain data: people as a whole, and words of what people have written."""
@@ -191,11 +250,24 @@ class _Renamer:
             return made
         if isinstance(value, list):
             return [self._walk(item, key) for item in value]
-        if isinstance(value, str) and key in _PEOPLE and value == self._name:
+        if isinstance(value, str) and key in _PEOPLE and value.strip() == self._name:
             return self._pseudonym
+        if key in _REASONS and value == interference(self._name):
+            return interference(self._pseudonym)
         if isinstance(value, str) and key in _TEXTS:
             return self._word.sub(self._pseudonym, value)
         return value
+
+
+def _is_of(channel: str, entry: Entry) -> bool:
+    """Whether an entry is of a channel of the first or of a further robot."""
+    return entry.channel == channel or entry.channel.endswith(f"/{channel}")
+
+
+def _with(entry: Entry, message: Any) -> Entry:
+    file = BytesIO()
+    message.serialize(file)
+    return entry._replace(data=file.getvalue())
 
 
 def _new_name(stem: str, name: str, pseudonym: str) -> str:
