@@ -40,6 +40,9 @@ metrics: {time: {pass: 10}}
 """
 )
 
+PATIENCE = 60.0
+"""For how long an operator waits for a line on which nothing passes (s)."""
+
 
 @pytest.fixture(scope="module")
 def exercise(tmp_path_factory: pytest.TempPathFactory) -> str:
@@ -173,6 +176,19 @@ class TestEpisode:
         assert ("answer", "seen") in {
             (each["event"], each["name"]) for each in json.loads(env.sheet())["events"]
         }
+
+    def test_an_outage_ends_nothing(self, tmp_path: Path) -> None:
+        path = tmp_path / "ahead.yaml"
+        path.write_text(f"{EXERCISE}link: {{outage_every: 4, outage_for: 3}}\n")
+        env, seen = ExerciseEnv(str(path), parts=("drive",), rate=2.0), [b"a", b"b"]
+        env.reset(seed=1)
+        while seen[-1] != seen[-2]:
+            seen.append(env.step(action(env, drive__linear=0.05))[0].tobytes())
+        port: Any = env._trial and env._trial.port
+        port._seen_at -= PATIENCE  # instead of a minute's simulation
+        stood, _, terminated, truncated, _ = env.step(action(env))
+        env.close()
+        assert (stood.tobytes(), terminated, truncated) == (seen[-1], False, False)
 
 
 class TestDeterminism:

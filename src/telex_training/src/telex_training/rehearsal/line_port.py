@@ -31,7 +31,7 @@ from .teleop import OfflineTeleop
 
 _SIZE = 250
 """Bytes of a command as the console sends it."""
-_DOWN = 60.0
+PATIENCE = 60.0
 """For how long (s) an operator waits for a line on which nothing passes."""
 _LOOK = 0.25
 """Between two looks whether something passes again (s)."""
@@ -74,6 +74,8 @@ class LineTeleop(OfflineTeleop):
         Told of each command as it arrives.
     random : Random
         Of losses and jitter.
+    patience : float
+        For how long (s) an operator looks at what stands; then he gives up.
     """
 
     def __init__(
@@ -84,8 +86,9 @@ class LineTeleop(OfflineTeleop):
         hear: Callable[[Command], None],
         setting: LineSetting,
         random: Random,
+        patience: float = PATIENCE,
     ) -> None:
-        self._hear = hear
+        self._hear, self._patience = hear, patience
         self._line, self._setting = Line(random), setting
         self._since = self._seen_at = robot.simulation.time
         self._looked = -math.inf
@@ -102,8 +105,8 @@ class LineTeleop(OfflineTeleop):
         self._seen.append(newest)
         now = newest.time
         if self._line.in_outage(now):
-            if now - self._seen_at > _DOWN:
-                raise NotManagedError(f"nothing has come by the line for {_DOWN:g} s")
+            if now - self._seen_at > self._patience:
+                raise NotManagedError(f"nothing has come by the line for {self._patience:g} s")
         else:
             self._seen_at = now
             shown = now - self._line.fields.delay
@@ -146,8 +149,8 @@ class LineTeleop(OfflineTeleop):
         # Where all is lost, only another place of the robot, which may still move, or the end of
         # the trial changes that.
         while math.isinf(self._line.reopens(now)):
-            if now - asked > _DOWN:
-                raise NotManagedError(f"nothing has passed the line for {_DOWN:g} s")
+            if now - asked > PATIENCE:
+                raise NotManagedError(f"nothing has passed the line for {PATIENCE:g} s")
             self.advance(_LOOK)
             now = self._robot.simulation.time
         wait = self._line.reopens(now) - now + self._line.draw_delay()

@@ -50,7 +50,7 @@ from ..operators.handling import Hand
 from ..operators.port import Command, NotManagedError
 from ..operators.station import Station
 from ..ros.commands import message_of
-from .line_port import LineTeleop, line_setting
+from .line_port import PATIENCE, LineTeleop, line_setting
 from .together import Together
 
 _SETTLING = 0.2
@@ -163,6 +163,8 @@ class RehearsedTrial:
         For the scene's file.
     line : str
         Profile of the line between operator and robot, see `line_setting`.
+    patience : float
+        As of `LineTeleop`.
 
     Attributes
     ----------
@@ -183,7 +185,14 @@ class RehearsedTrial:
         To the first robot.
     """
 
-    def __init__(self, exercise: Exercise, seed: int, folder: Path, line: str = "") -> None:
+    def __init__(
+        self,
+        exercise: Exercise,
+        seed: int,
+        folder: Path,
+        line: str = "",
+        patience: float = PATIENCE,
+    ) -> None:
         self._exercise, self._seed = exercise, seed
         self.scene = text = scene_text(exercise, seed)
         path = folder / f"{exercise.name}.yaml"
@@ -229,6 +238,7 @@ class RehearsedTrial:
                 partial(self.hear, robot=name),
                 line_setting(exercise, line),
                 Random(seed),
+                patience,
             )
             for name, each in robots.items()
         }

@@ -170,7 +170,9 @@ class ExerciseEnv(gymnasium.Env):
         number = int(self.np_random.integers(1, 2**31)) if seed is None else seed
         self._end()
         self._folder = tempfile.TemporaryDirectory()
-        trial = RehearsedTrial(self._exercise, number, Path(self._folder.name), self._line)
+        folder = Path(self._folder.name)
+        # Who learns may wait for as long as the episode lasts.
+        trial = RehearsedTrial(self._exercise, number, folder, self._line, math.inf)
         self._trial = trial
         if self._commands.tool:
             trial.port.set_mode("CARTESIAN")
