@@ -7,6 +7,7 @@ import { beforeEach, test } from "node:test";
 import { clock, paced } from "./browser.js";
 import { Bridge } from "../../console/js/bridge.js";
 import { EmergencyStop } from "../../console/js/emergency_stop.js";
+import { RobotsPanel } from "../../console/js/instructor/robots_panel.js";
 
 const ALARM = "not connected: e-stop was NOT sent";
 const SILENCE = 4000; // ms, more than a connection may be silent
@@ -131,5 +132,27 @@ test("a release without a connection is told, and not sent later", async () => {
   die();
   stop.set(false);
   assert.deepEqual(alarms, [ALARM]);
+  assert.deepEqual((await connect()).asked, []);
+});
+
+test("the other robots of a scene are stopped as surely", async () => {
+  const made = () => ({ dataset: {}, append() {}, addEventListener() {} });
+  Object.assign(globalThis, {
+    document: { hidden: true, createElement: made, getElementById: made },
+    fetch: async () => ({ ok: true, json: async () => ({ rosbridge: "ws://there:9090" }) }),
+  });
+  /** @type {string[]} */
+  const log = [];
+  const config = /** @type {any} */ ({ namespace: "/telex", robots: [{ name: "telex" }, { name: "telex_b" }] });
+  const panel = new RobotsPanel(config, new URLSearchParams(), (sentence) => log.push(sentence));
+  const first = await connect();
+  panel.stopAll();
+  assert.deepEqual(first.asked, [true]);
+  die();
+  assert.equal(log.at(-1), `telex_b: ${ALARM}`);
+  const second = await connect();
+  assert.deepEqual(second.asked, [true]);
+  /** @type {any} */ (second).onmessage({ data: JSON.stringify({ op: "publish", topic: "/telex_b/sim/status", msg: { e_stop: true } }) });
+  die();
   assert.deepEqual((await connect()).asked, []);
 });
