@@ -82,6 +82,28 @@ def test_the_robot_is_seen_as_it_was(far: Any) -> None:
     assert there.time - seen.time == pytest.approx(0.3, abs=0.041)
 
 
+@pytest.mark.parametrize(("profile", "delay"), [("150", 0.15), ("300", 0.3)])
+def test_who_looks_seldom_sees_no_older(far: Any, profile: str, delay: float) -> None:
+    there = far(profile)
+    there.port.keep_beside(lambda: there.time)
+    for _ in range(3):
+        there.port.advance(0.5)
+        seen, beside = there.port.look()
+        assert there.time - seen.time == pytest.approx(delay, abs=0.021)
+        assert beside == seen.time
+
+
+def test_what_is_seen_stands_during_an_outage(far: Any) -> None:
+    there = far("150", "{outage_every: 2, outage_for: 1}")
+    ages = []
+    for _ in range(40):
+        there.port.advance(0.1)
+        ages.append(there.time - there.port.observe().time)
+    assert min(ages) == pytest.approx(0.15, abs=0.021)
+    assert max(ages) == pytest.approx(1.15, abs=0.121)
+    assert len(there.port._seen) < 20  # of what no look will show, nothing is kept
+
+
 def test_without_impairment_all_is_at_once(far: Any) -> None:
     there = far("perfect")
     there.port.send(Drive(0.2, 0.0))

@@ -6,7 +6,7 @@ import collections
 import functools
 import math
 from random import Random
-from typing import Callable, Deque
+from typing import Any, Callable, Deque, Tuple
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from ..operators.port import (
     Observation,
     ToolTwist,
 )
-from .teleop import OfflineTeleop
+from .teleop import Due, OfflineTeleop
 
 _SIZE = 250
 """Bytes of a command as the console sends it."""
@@ -35,6 +35,7 @@ PATIENCE = 60.0
 """For how long (s) an operator waits for a line on which nothing passes."""
 _LOOK = 0.25
 """Between two looks whether something passes again (s)."""
+_ROUNDING = 1e-6
 
 _profiles = functools.lru_cache(maxsize=None)(Profiles.read)
 
@@ -62,9 +63,9 @@ class LineTeleop(OfflineTeleop):
     """A robot behind a line.
 
     Commands pass it first in, first out; those that move may be lost. A call (mode, e-stop, an
-    answer) waits for its way there and back. What is seen is as old as the delay, and stands
-    during an outage. Where the line goes by the radio signal, that is computed as often as a
-    simulator tells it.
+    answer) waits for its way there and back. What is seen is as old as the delay, to a sample of
+    the truth, and stands during an outage. Where the line goes by the radio signal, that is
+    computed as often as a simulator tells it.
 
     Parameters
     ----------
@@ -94,25 +95,53 @@ class LineTeleop(OfflineTeleop):
         self._looked = -math.inf
         self._line.configure(setting.fields, self._since)
         self._queue: LineQueue[Command] = LineQueue(self._line)
-        self._seen: Deque[Observation] = collections.deque()
+        self._seen: Deque[Tuple[Observation, Any]] = collections.deque()
+        self._beside: Callable[[], Any] = lambda: None
+        self._due = Due(robot.simulation.config.publish.truth_rate)
         super().__init__(robot, advance, on_answer)
 
     def observe(self) -> Observation:
         """See `Port.observe`."""
-        newest = super().observe()
+        return self.look()[0]
+
+    def look(self) -> Tuple[Observation, Any]:
+        """Return what is seen, and what else was kept of the same moment, see `keep_beside`.
+
+        Raises
+        ------
+        NotManagedError
+            Nothing has come for longer than the operator has patience.
+        """
         if self._line.is_perfect:
-            return newest
-        self._seen.append(newest)
-        now = newest.time
+            return self._sight()
+        now = self._robot.simulation.time
+        if self._line.in_outage(now) and now - self._seen_at > self._patience:
+            raise NotManagedError(f"nothing has come by the line for {self._patience:g} s")
+        self._keep()
+        return self._seen[0]
+
+    def keep_beside(self, make: Callable[[], Any]) -> None:
+        """Have something else, such as where everything is, seen as late as the robot."""
+        self._beside = make
+        self._seen = collections.deque((seen, make()) for seen, _ in self._seen)
+
+    def _sight(self) -> Tuple[Observation, Any]:
+        return super().observe(), self._beside()
+
+    def _keep(self) -> None:
+        """Keep what there is to see, and forget what no look will show any more."""
+        now, seen = self._robot.simulation.time, self._seen
+        if seen and seen[-1][0].time == now:
+            seen.pop()
+        seen.append(self._sight())
+        shown = now - self._line.fields.delay + _ROUNDING
         if self._line.in_outage(now):
-            if now - self._seen_at > self._patience:
-                raise NotManagedError(f"nothing has come by the line for {self._patience:g} s")
+            while len(seen) > 2 and seen[2][0].time <= shown:
+                del seen[1]
         else:
             self._seen_at = now
-            shown = now - self._line.fields.delay
-            while len(self._seen) > 1 and self._seen[1].time <= shown:
-                self._seen.popleft()
-        return self._seen[0]
+            while len(seen) > 1 and seen[1][0].time <= shown:
+                seen.popleft()
 
     def send(self, command: Command) -> None:
         """See `Port.send`."""
@@ -174,6 +203,10 @@ class LineTeleop(OfflineTeleop):
             self._arrive(command)
             command = self._queue.take(stamp)
         super()._on_joint_state(stamp)
+        if self._line.is_perfect:
+            self._seen.clear()
+        elif self._due.due(stamp):
+            self._keep()
 
     def _arrive(self, command: Command) -> None:
         self._hear(command)

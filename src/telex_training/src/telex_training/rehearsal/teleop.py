@@ -78,12 +78,12 @@ class OfflineTeleop(TeleopPort):
         self._joints[FLIPPERS] = self._flippers
         self._joints[GRIPPER] = gripper_core(gripper, limits_of_present(gripper, robot.urdf)[0])
         self._tracks = TrackDrive(tracks, tracks.speed_scale())
-        self._status = _Due(tracks.status_rate)
-        self._nearness = _Due(robot.simulation.config.proximity.rate)
-        self._idle_nearness = _Due(1.5 / self._nearness_age)
-        self._looks = {name: _Due(1.0 / LONGEST_REST) for name in self._joints}
+        self._status = Due(tracks.status_rate)
+        self._nearness = Due(robot.simulation.config.proximity.rate)
+        self._idle_nearness = Due(1.5 / self._nearness_age)
+        self._looks = {name: Due(1.0 / LONGEST_REST) for name in self._joints}
         self._woken: Set[str] = set()
-        self._base_pose = _Due(robot.simulation.config.publish.base_pose_rate)
+        self._base_pose = Due(robot.simulation.config.publish.base_pose_rate)
         robot.each_joint_state.append(self._on_joint_state)
         self._advance(_LISTENING * tracks.command_timeout)
 
@@ -232,7 +232,7 @@ class OfflineTeleop(TeleopPort):
         self._on_answer(question, answer)
 
 
-class _Due:
+class Due:
     """Something that comes at a rate (1/s of sim time); never at 0."""
 
     def __init__(self, rate: float) -> None:

@@ -222,7 +222,7 @@ class ExerciseEnv(gymnasium.Env):
         return self._observe(trial), math.fsum(terms.values()), terminated, truncated, facts
 
     def _observe(self, trial: RehearsedTrial) -> Observed:
-        seen = trial.port.observe()
+        seen, poses = trial.port.look()
         assert seen.base is not None
         numbers = [*seen.base.position, *seen.base.orientation]
         numbers += [seen.positions[joint] for joint in self._commands.joints]
@@ -231,7 +231,7 @@ class ExerciseEnv(gymnasium.Env):
             assert pose is not None
             numbers += [*pose[:3, 3].tolist(), *quaternion_of(pose).tolist()]
         state = np.array(numbers, dtype=np.float32)
-        self._pictures = self._views.look(seen.time) if self._views is not None else {}
+        self._pictures = self._views.look(poses) if self._views is not None else {}
         if not self._cameras:
             return state
         return {STATE: state, **self._pictures}

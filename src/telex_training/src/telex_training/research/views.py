@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections import deque
-from typing import Deque, Dict, Mapping, Sequence, Tuple
+from typing import Dict, Mapping, Sequence
 
 import numpy as np
 from genpy import Time
@@ -17,8 +16,6 @@ from telex_sim.malfunctions.messages import malfunctions_message
 from telex_sim.ros.scene_messages import SceneMessages
 
 from ..rehearsal.trial import RehearsedTrial
-
-_ROUNDING = 1e-6
 
 
 class EpisodeViews:
@@ -44,7 +41,6 @@ class EpisodeViews:
     ) -> None:
         self._names, self._levels = tuple(names), levels
         self._cameras = StillCameras(config, names, width)
-        self._moments: Deque[Tuple[float, ScenePoses]] = deque()
 
     def begin(self, trial: RehearsedTrial) -> Sequence[str]:
         """Show another trial from now on; returns what of its scene cannot be shown, and why."""
@@ -53,26 +49,24 @@ class EpisodeViews:
         self._trial = trial
         self._messages = SceneMessages(simulation.config.model, links, trial.urdf, simulation.scene)
         self._messages.show(simulation.objects.objects())
-        self._moments.clear()
+        trial.port.keep_beside(self._poses)
         return self._cameras.show(self._messages.description(Time()))
 
-    def look(self, seen: float) -> Dict[str, np.ndarray]:
-        """Take the cameras' pictures, in which everything is where it was at a time (s).
+    def _poses(self) -> ScenePoses:
+        simulation = self._trial.simulation
+        return self._messages.poses(Time.from_sec(simulation.time), simulation.link_poses())
+
+    def look(self, poses: ScenePoses) -> Dict[str, np.ndarray]:
+        """Take the cameras' pictures, in which everything is where the trial's port saw it.
 
         Returns
         -------
         dict of str to ndarray, shape (height, width, 3), uint8
             RGB.
         """
-        simulation = self._trial.simulation
-        stamp = Time.from_sec(simulation.time)
-        now = self._messages.poses(stamp, simulation.link_poses())
-        self._moments.append((simulation.time, now))
-        while len(self._moments) > 1 and self._moments[1][0] <= seen + _ROUNDING:
-            self._moments.popleft()
         broken = self._broken()
         levels = {name: level * broken.burns(name) for name, level in self._levels.items()}
-        self._cameras.place(self._moments[0][1], levels)
+        self._cameras.place(poses, levels)
         return {name: self._picture(name, broken) for name in self._names}
 
     def _broken(self) -> Broken:
