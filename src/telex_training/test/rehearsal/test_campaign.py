@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any, Dict, Optional
 
 import pytest
 
+from telex_control.common.file_catalog import package_file
 from telex_training.command_lines import rehearse
 from telex_training.recording.reader import read_recording
 from telex_training.recording.trial_file import trial_of
@@ -280,6 +283,23 @@ class TestCommand:
         said = capsys.readouterr().err
         for word in ("cones_99", "'string'; known are perfect"):
             assert word in said
+
+
+def test_an_operator_of_the_working_folder_is_found(tmp_path: Path) -> None:
+    (tmp_path / "room.yaml").write_text("objects: []\n")
+    (tmp_path / "mine.yaml").write_text(MINE)
+    (tmp_path / "my_module.py").write_text("def mine(hand, brief):\n    hand.station.tick()\n")
+    node = package_file("telex_training", "nodes", "rehearse")
+    own = ("--operator", "my_module:mine", "--out", "out", "--seeds", "1")
+    done = subprocess.run(
+        [sys.executable, str(node), "mine.yaml", *own],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr.count("Error")) == (0, 0), done.stderr
+    assert "0 of 1 passed" in done.stdout
 
 
 def test_a_job_travels_as_plain_data() -> None:
