@@ -218,7 +218,12 @@ class TestCommand:
         assert trial_of(read_recording(recording))[0].seed == 1
         # The same trial in another folder is the same bytes.
         other = tmp_path / "other"
-        assert self.run(other, "--seeds", "1-1", "--compare", str(tmp_path), "--json") == 0
+        more = ("--compare", str(tmp_path), "--record", "1", "--json")
+        assert self.run(other, "--seeds", "1-1", *more) == 0
+        printed = capsys.readouterr()
+        assert json.loads(printed.out)["rows"][0]["trials"] == 1
+        assert f"compared with {tmp_path}" in printed.err
+        assert "own_1.mcap" in printed.err
         assert (other / "cones_3" / "own" / "1.json").read_bytes() == before
 
     def test_outcomes_of_an_operator_or_a_scene_as_it_was_are_not_kept(

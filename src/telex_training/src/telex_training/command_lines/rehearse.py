@@ -7,6 +7,7 @@ import json
 import sys
 import time
 from collections import defaultdict
+from contextlib import nullcontext, redirect_stdout
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
@@ -140,7 +141,11 @@ def _parser() -> argparse.ArgumentParser:
         metavar="X",
         help="how much more time than the operator people are given in provisional pass values",
     )
-    parser.add_argument("--json", action="store_true", help="print the summary as JSON")
+    parser.add_argument(
+        "--json",
+        action="store_true",
+        help="print the summary as JSON, and all else to standard error",
+    )
     return parser
 
 
@@ -213,11 +218,23 @@ def _rehearse(given: argparse.Namespace) -> int:
         if outcome is not None:
             found[job.setting, job.line or OWN][job.seed] = outcome
     _report(given, store, found)
+    # With --json, standard output has the summary alone.
+    with redirect_stdout(sys.stderr) if given.json else nullcontext():
+        _tell_more(given, file, store, found, before)
+    return 1 if progress.problems else 0
+
+
+def _tell_more(
+    given: argparse.Namespace,
+    file: ExerciseFile,
+    store: Store,
+    found: Outcomes,
+    before: Optional[Store],
+) -> None:
     if before is not None:
         _compare(before, found)
     if given.record:
         _record(given, file, store, found)
-    return 1 if progress.problems else 0
 
 
 def _settings(file: ExerciseFile, names: Sequence[str]) -> List[str]:
