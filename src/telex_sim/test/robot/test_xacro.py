@@ -80,11 +80,19 @@ def test_a_launch_file_finds_xacro_as_a_package(arm):
     check(yaml.safe_load(done.stdout)["/robot_description"])
 
 
-def test_options_of_a_variant_may_have_words_with_spaces_between(arm):
+@pytest.mark.parametrize(
+    ("options", "cameras"),
+    [
+        ("", {"front", "rear", "mast"}),
+        ("cameras=front rear payload_size=0.2 0.2 0.1", {"front", "rear"}),
+        ("cameras=front,tool=probe", {"front"}),
+    ],
+)
+def test_options_of_a_variant_may_have_words_with_spaces_between(arm, options, cameras):
     done = subprocess.run(
         [
             *("roslaunch", "--dump-params", "telex_description", "description.launch"),
-            "options:=cameras=front rear payload_size=0.2 0.2 0.1",
+            f"options:={options}",
         ],
         env={**os.environ, "ROS_LOG_DIR": str(arm.parent)},
         stdout=subprocess.PIPE,
@@ -92,9 +100,7 @@ def test_options_of_a_variant_may_have_words_with_spaces_between(arm):
         check=True,
     )
     model = yaml.safe_load(done.stdout)["/robot_description"]
-    assert "front_camera_link" in model
-    assert "rear_camera_link" in model
-    assert "mast_camera_link" not in model
+    assert {name for name in ("front", "rear", "mast") if f"{name}_camera_link" in model} == cameras
 
 
 def test_a_package_of_the_system_comes_first(arm):
