@@ -18,6 +18,8 @@ GRIPPER = "gripper"
 """The joint of gripper_teleop that moves all fingers."""
 OPEN = 0.5
 """Of a base joint (rad), with the fingers wide open."""
+CLOSING_ON = 0.05
+"""By which fingers move on once `Hand.open` lets go of their key (rad): for its dead man's time."""
 _FINGERS = ("left_finger_base_joint", "right_finger_base_joint")
 
 _CLOSE_RATE, _SQUEEZE_RATE = 0.16, 0.03  # rad/s
@@ -170,7 +172,9 @@ class Hand:
         return self.station.grip.force
 
     def open(self, angle: float = OPEN) -> None:
-        """Open the gripper to an angle of the fingers' base joints (rad).
+        """Open the gripper, or close it, to an angle of the fingers' base joints (rad).
+
+        They come to stand `CLOSING_ON` beyond it.
 
         Raises
         ------

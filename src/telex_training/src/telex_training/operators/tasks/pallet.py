@@ -10,7 +10,7 @@ import numpy as np
 from telex_control.common.geometry.matrices import inverse
 
 from .. import driving
-from ..handling import Hand, aimed
+from ..handling import CLOSING_ON, Hand, aimed
 from ..station import Station
 from .task import OperatorTask, Verdict, heading_of, placed
 
@@ -25,7 +25,8 @@ _BITE = 0.022  # m, of the pads' middle past the end
 _AHEAD, _SCATTER = 2.5, (0.15, 0.25, 0.30)  # m, m, m, rad
 _APPROACH, _NEAR, _REACH = 1.6, 0.93, 0.85  # m, from base_link to the end; to the tool before it
 _ON_EDGE = 0.5 * math.pi  # rad, roll with which one finger is above, one below
-_OPENING = 0.20  # rad
+# rad: the fingers close on to 0.2, which leaves either of them 7 mm beside the boards.
+_OPENING = 0.20 + CLOSING_ON
 _FORCE = 80.0  # N; on boards of 44 mm gripper_teleop presses with some 90 N at most
 _PIECES = 10  # of the arc
 _AXLE = 0.11  # m
