@@ -44,7 +44,8 @@ step() {
     # A package manager that is killed half-way leaves a broken system.
     "$@" >>"$log" 2>&1 8>&- &
     pid=$!
-    trap 'printf "\nInterrupted; waiting for the package manager to finish ...\n"; wait "$pid"; exit 130' INT TERM HUP
+    # Its terminal may be gone.
+    trap 'printf "\nInterrupted; waiting for the package manager to finish ...\n" 2>/dev/null || :; wait "$pid"; exit 130' INT TERM HUP
   else
     # A session of its own, so that all of its children end with it.
     setsid "$@" >>"$log" 2>&1 8>&- &
