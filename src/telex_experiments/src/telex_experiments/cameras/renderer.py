@@ -21,7 +21,7 @@ from telex_experiments.rigs.report import Figure
 from telex_sim.cameras.cameras_config import shipped_cameras
 from telex_sim.cameras.drawing.gl_context import create_context
 from telex_sim.cameras.drawing.light.daylight import Lighting
-from telex_sim.cameras.drawing.quality import choose_quality
+from telex_sim.cameras.drawing.quality import choose_quality, is_card
 from telex_sim.cameras.drawing.renderer import Renderer
 from telex_sim.cameras.optics.camera_sensor import CameraSensor
 from telex_sim.cameras.optics.exposure import ExposureControl, exposure_factor
@@ -192,7 +192,7 @@ def renderer_figures(rounds: int) -> List[Figure]:
     quality = choose_quality("auto", context.info["GL_RENDERER"])
     renderer = Renderer(context, quality, Lighting(), package_path)
     # As the node does.
-    cv2.setNumThreads(bending_threads(renderer.on_card))
+    cv2.setNumThreads(bending_threads(is_card(context.info["GL_RENDERER"])))
     views.load(renderer)
     costs: List[Cost] = []
     bare: List[float] = []

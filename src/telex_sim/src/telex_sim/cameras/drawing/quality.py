@@ -104,6 +104,12 @@ STILL = Quality(
 )
 
 
+def is_card(gl_renderer: str) -> bool:
+    """Whether a graphics card draws, by what OpenGL says that it runs on."""
+    name = gl_renderer.lower()
+    return not any(renderer in name for renderer in _SOFTWARE_RENDERERS)
+
+
 def choose_quality(wanted: str, gl_renderer: str) -> Quality:
     """Tier by its name, or for "auto" by what OpenGL says that it runs on.
 
@@ -113,9 +119,7 @@ def choose_quality(wanted: str, gl_renderer: str) -> Quality:
         When there is no such tier.
     """
     if wanted == AUTO:
-        name = gl_renderer.lower()
-        software = any(renderer in name for renderer in _SOFTWARE_RENDERERS)
-        return TIERS["software" if software else "gpu"]
+        return TIERS["gpu" if is_card(gl_renderer) else "software"]
     if wanted not in TIERS:
         raise ValueError(f"quality '{wanted}' is unknown, expected {AUTO}, {' or '.join(TIERS)}")
     return TIERS[wanted]

@@ -25,7 +25,7 @@ from ...scene.content_store import shared_store
 from ..cameras_config import CamerasConfig
 from ..drawing.gl_context import NoContextError, create_context
 from ..drawing.light.daylight import Lighting
-from ..drawing.quality import choose_quality
+from ..drawing.quality import choose_quality, is_card
 from ..drawing.renderer import Renderer
 from ..optics.camera_sensor import CameraSensor
 from ..optics.exposure import exposure_factor
@@ -365,13 +365,12 @@ def make_renderer(config: CamerasConfig) -> Renderer:
     context = create_context(config.egl_device)
     name = context.info["GL_RENDERER"]
     rospy.loginfo("rendering with %s, quality %s", name, config.quality)
-    renderer = Renderer(
+    # OpenCV, too, would otherwise start a thread for each core.
+    cv2.setNumThreads(bending_threads(is_card(name)))
+    return Renderer(
         context,
         choose_quality(config.quality, name),
         replace(Lighting(), shadow_radius=config.shadow_radius),
         package_path,
         shared_store(),
     )
-    # OpenCV, too, would otherwise start a thread for each core.
-    cv2.setNumThreads(bending_threads(renderer.on_card))
-    return renderer
