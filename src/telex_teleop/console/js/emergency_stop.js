@@ -16,6 +16,8 @@ export class EmergencyStop {
     this._alarm = alarm;
     /** Whether it was set here, and the simulator has not said so yet. */
     this._isOpen = false;
+    /** Whether it was released here, and the simulator has not said so yet: that it is set may be said of before. */
+    this._isReleasing = false;
     /** Whether what was asked for last went out, as far as the browser knows. */
     this._isSent = false;
   }
@@ -28,6 +30,7 @@ export class EmergencyStop {
   /** @param {boolean} data  Whether to stop. */
   set(data) {
     this._isOpen = data;
+    if (!data) this._isReleasing = true;
     this._send(data);
     if (!this._isSent) this._warn();
   }
@@ -45,7 +48,8 @@ export class EmergencyStop {
 
   /** That it is not set may have been said before it was asked for. @param {any} status  telex_msgs/SimStatus */
   hear({ e_stop: isSet }) {
-    if (isSet) this._isOpen = false;
+    if (!isSet) this._isReleasing = false;
+    else if (!this._isReleasing) this._isOpen = false;
   }
 
   /** @param {boolean} data */

@@ -117,6 +117,22 @@ test("a release ends it", async () => {
   assert.deepEqual(alarms, []);
 });
 
+test("what was said before its release does not confirm the next one", async () => {
+  await connect();
+  stop.set(true);
+  stop.hear({ e_stop: true });
+  stop.set(false);
+  stop.set(true);
+  stop.hear({ e_stop: true }); // on its way before
+  die();
+  assert.deepEqual(alarms, [ALARM]);
+  assert.deepEqual((await connect()).asked, [true]);
+  stop.hear({ e_stop: false });
+  stop.hear({ e_stop: true });
+  die();
+  assert.deepEqual((await connect()).asked, []);
+});
+
 test("what is set without a connection is told once, and sent with the next one", async () => {
   await connect();
   die();
