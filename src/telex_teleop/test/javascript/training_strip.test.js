@@ -72,15 +72,15 @@ const STATE = /** @type {any} */ ({
 /** @type {string[]} */
 const asked = [];
 
-/** Show a phase. @param {string} phase  @param {boolean} isWatched */
-function show(phase, isWatched) {
+/** Show a phase. @param {string} phase  @param {boolean} isWatched  @param {string} [mode]  @param {boolean} [help]  Whether it is asked for. */
+function show(phase, isWatched, mode = "exam", help = false) {
   if (isWatched) get("training").dataset.watched = "true";
   const client = /** @type {any} */ ({ act: (/** @type {string} */ name) => asked.push(name) });
-  new TrainingStrip(client, new URLSearchParams(), () => {}).show({ ...STATE, phase });
+  new TrainingStrip(client, new URLSearchParams(), () => {}).show({ ...STATE, phase, mode, help });
 }
 
 /** Names of the buttons that are there. */
-const shown = () => ["start", "again", "give-up", "sheet"].filter((name) => !get(`training-${name}`).hidden);
+const shown = () => ["start", "again", "give-up", "help", "bookmarks", "sheet"].filter((name) => !get(`training-${name}`).hidden);
 
 beforeEach(() => {
   page.clear();
@@ -89,7 +89,7 @@ beforeEach(() => {
 
 test("a trainee can do again, give up and answer", () => {
   show("running", false);
-  assert.deepEqual(shown(), ["again", "give-up"]);
+  assert.deepEqual(shown(), ["again", "give-up", "help"]);
   const questions = get("training-questions").children;
   assert.deepEqual(questions.map(({ tags }) => tags), [["label", "button", "button"], ["label", "input"]]);
   questions[0].children[1].click();
@@ -98,9 +98,14 @@ test("a trainee can do again, give up and answer", () => {
 
 test("who watches reads the questions, and can do nothing that counts for the trainee", () => {
   for (const phase of ["preparing", "waiting", "running", "between"]) {
-    show(phase, true);
-    assert.deepEqual(shown(), [], phase);
+    for (const mode of ["exam", "practice"]) {
+      show(phase, true, mode);
+      assert.deepEqual(shown(), [], phase);
+    }
   }
+  // Who is called for help can say that he was there.
+  show("running", true, "practice", true);
+  assert.deepEqual(shown(), ["help"]);
   show("running", true);
   const questions = get("training-questions").children;
   assert.deepEqual(questions.map(({ tag, tags, textContent }) => [tag, tags, textContent]), [

@@ -88,7 +88,8 @@ export class TrainingStrip {
     setText(byId("training-malfunctions"), malfunctionsText(state));
     setText(byId("training-hint"), noteOf(state));
     this._showButtons(state);
-    this.bookmarks.show(state);
+    if (this._isWatched) byId("training-bookmarks").hidden = true;
+    else this.bookmarks.show(state);
     this._showQuestions(state);
   }
 
@@ -99,7 +100,7 @@ export class TrainingStrip {
     for (const [name, visible] of Object.entries(shown)) byId(`training-${name}`).hidden = !visible;
     byId("training-give-up").hidden = ["ready", "ended"].includes(phase) || this._isWatched;
     const helpButton = byId("training-help");
-    helpButton.hidden = phase === "ended" && !help;
+    helpButton.hidden = (phase === "ended" || this._isWatched) && !help;
     helpButton.setAttribute("aria-pressed", String(help));
     setText(helpButton, help ? `${text("help is asked for")} ✕` : text("ask for help"));
     helpButton.title = help ? text("Press when it is no longer needed") : text("The instructor sees it on the page of the class");
