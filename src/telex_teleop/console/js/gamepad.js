@@ -45,6 +45,7 @@ export class GamepadInput {
    * @param {(action: any) => string} page.nameOf  Name of the console's action that a pad's action is; empty if it has none.
    * @param {(name: string) => (() => void) | undefined} page.commandOf  What an action does at once; undefined: it is held.
    * @param {(reason: string) => void} page.letGo
+   * @param {(sentence: string) => void} page.warn
    */
   constructor(page) {
     this._page = page;
@@ -98,7 +99,10 @@ export class GamepadInput {
       const { action, amount } = binding === undefined ? { action: null, amount: 0 } : demand(binding, value);
       const name = amount > 0 ? this._page.nameOf(action) : "";
       if (hasFocus || name === "" || action?.name === STOP) this._read(source, name, amount, isEnabled, action?.name === RELEASE);
-      else this._ignore(source);
+      else {
+        if (isEnabled && !this._active.has(source)) this._page.warn(text("the gamepad moves nothing here until you click into this window"));
+        this._ignore(source);
+      }
     }
   }
 

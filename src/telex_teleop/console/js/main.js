@@ -224,6 +224,7 @@ class Console {
       // A pad has one button for the mode.
       commandOf: (name) => (this._commandOf(name) === this._commands.mode ? () => this._modes.next() : this._commandOf(name)),
       letGo: (reason) => this._letGo(reason),
+      warn: (sentence) => this._status.warn(sentence),
     });
     fetchPadMap().then(
       (map) => { gamepad.map = map; },

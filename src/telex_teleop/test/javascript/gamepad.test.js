@@ -19,6 +19,8 @@ let pad;
 let pads;
 let hasFocus = true;
 let stops = 0;
+/** @type {string[]} */
+let warnings = [];
 /** @type {Held} */
 let held;
 /** @type {GamepadInput} */
@@ -32,7 +34,7 @@ const made = (/** @type {object} */ values) => ({ index: 0, id: "Pad (of someone
 beforeEach(() => {
   pad = made({});
   pads = [null, pad];
-  [hasFocus, stops] = [true, 0];
+  [hasFocus, stops, warnings] = [true, 0, []];
   Object.assign(globalThis, {
     window: { addEventListener: (/** @type {string} */ kind, /** @type {() => void} */ hear) => { listeners[kind] = hear; } },
     document: { hasFocus: () => hasFocus, getElementById: () => shown },
@@ -40,7 +42,7 @@ beforeEach(() => {
   Object.defineProperty(globalThis, "navigator", { value: { getGamepads: () => pads }, configurable: true });
   held = new Held(() => {});
   input = new GamepadInput({
-    held, mayPress: () => true, mode: () => /** @type {any} */ ("DRIVE"), letGo: () => {},
+    held, mayPress: () => true, mode: () => /** @type {any} */ ("DRIVE"), letGo: () => {}, warn: (sentence) => warnings.push(sentence),
     nameOf: (action) => action.name ?? (action.linear > 0 ? "ahead" : "back"),
     commandOf: (name) => (name === "e-stop" ? () => { stops += 1; } : undefined),
   });
@@ -61,9 +63,10 @@ test("a pad moves the robot of the window that has the keyboard alone", () => {
   hasFocus = false;
   push(1);
   assert.ok(held.empty);
-  push(0);
-  push(1);
+  assert.deepEqual(warnings, []);
+  for (const way of [0, 1, 1]) push(way);
   assert.ok(held.empty);
+  assert.deepEqual(warnings, ["the gamepad moves nothing here until you click into this window"]);
 });
 
 test("what is held when the window gets the keyboard counts once it has been let go", () => {

@@ -65,6 +65,7 @@ export const DE = {
   "the page stood still for {seconds} s": "die Seite stand {seconds} s lang still",
   "the gamepad was disconnected": "das Gamepad wurde getrennt",
   "gamepad: {name}, not usable": "Gamepad: {name}, nicht nutzbar",
+  "the gamepad moves nothing here until you click into this window": "das Gamepad bewegt hier nichts, bis in dieses Fenster geklickt wird",
   "gamepad: {name}": "Gamepad: {name}",
   // nodes
   "nothing moves; once it is back, the exercise begins anew": "nichts bewegt sich; ist er wieder da, beginnt die Übung von vorn",

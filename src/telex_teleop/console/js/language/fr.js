@@ -65,6 +65,7 @@ export const FR = {
   "the page stood still for {seconds} s": "la page est restée figée {seconds} s",
   "the gamepad was disconnected": "la manette a été débranchée",
   "gamepad: {name}, not usable": "manette : {name}, inutilisable",
+  "the gamepad moves nothing here until you click into this window": "la manette ne déplace rien ici tant qu’on n’a pas cliqué dans cette fenêtre",
   "gamepad: {name}": "manette : {name}",
   // nodes
   "nothing moves; once it is back, the exercise begins anew": "rien ne bouge ; à son retour, l’exercice recommence",
