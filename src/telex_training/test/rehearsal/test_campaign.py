@@ -12,6 +12,8 @@ import pytest
 
 from telex_control.common.file_catalog import package_file
 from telex_training.command_lines import rehearse
+from telex_training.exercises.catalog import find_exercise
+from telex_training.exercises.exercise_file import load_exercise
 from telex_training.recording.reader import read_recording
 from telex_training.recording.trial_file import trial_of
 from telex_training.rehearsal import jobs
@@ -171,6 +173,19 @@ class TestOperators:
 
     def test_the_sources_digest_stays_and_leaves_tests_out(self) -> None:
         assert jobs.software_digest() == jobs.software_digest()
+
+    def test_an_exercises_digest_is_the_same_wherever_the_checkout_stands(
+        self, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        file = load_exercise(find_exercise("slalom"))
+        digest = jobs.exercise_digest(file)
+        described = jobs.robot_description
+        monkeypatch.setattr(
+            jobs,
+            "robot_description",
+            lambda variant: described(variant).replace("telex_description/", "elsewhere/", 1),
+        )
+        assert jobs.exercise_digest(file) == digest
 
 
 @pytest.fixture

@@ -291,7 +291,8 @@ def compare(
     for worker, about in sorted(found.items()):
         if about["sources"] != here["sources"]:
             raise CrewError(
-                f"worker {worker} has other sources than this machine; the same checkout is needed"
+                f"worker {worker} has other sources than this machine: the same checkout is needed,"
+                " and nothing changed in it meanwhile"
             )
     for key in ("wheels", "Python", "processor"):
         kinds = sorted({about[key] for about in (*found.values(), here)})

@@ -8,6 +8,7 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Tuple
+from xml.etree import ElementTree
 
 from telex_control.common.file_catalog import package_path
 from telex_sim.scene.robot_in_scene import robot_description
@@ -130,7 +131,9 @@ def exercise_digest(file: ExerciseFile) -> str:
         # A seed moves what the file says; any one shows what the scene's own file has.
         digest.update(scene_text(exercise, 0).encode())
         for variant in (exercise.variant, *(each.variant for each in exercise.robots)):
-            digest.update(robot_description(variant).encode() if variant else b"")
+            # Its comments say where the checkout stands.
+            model = ElementTree.canonicalize(robot_description(variant)) if variant else ""
+            digest.update(model.encode())
     return digest.hexdigest()
 
 

@@ -260,6 +260,8 @@ class ExerciseEnv(gymnasium.Env):
             There is no such question, or the repetition has not begun.
         gymnasium.error.ResetNeeded
             The episode is over.
+        NotManagedError
+            Nothing has come by the line for a minute.
         """
         names = [each.name for each in self._exercise.questions]
         if question not in names:
