@@ -21,6 +21,7 @@ import urllib.error
 import urllib.request
 from io import StringIO
 from pathlib import Path
+from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import pytest
@@ -184,11 +185,12 @@ class TestWaiter:
     def running(self, wait_ready, monkeypatch):
         """Names of nodes that answer; time goes on while one waits."""
         running, now = set(), [0.0]
-        monkeypatch.setattr(wait_ready, "node_answers", running.__contains__)
-        monkeypatch.setattr(wait_ready.time, "monotonic", lambda: now[0])
-        monkeypatch.setattr(
-            wait_ready.time, "sleep", lambda duration: now.__setitem__(0, now[0] + duration)
+        clock = SimpleNamespace(
+            monotonic=lambda: now[0],
+            sleep=lambda duration: now.__setitem__(0, now[0] + duration),
         )
+        monkeypatch.setattr(wait_ready, "time", clock)
+        monkeypatch.setattr(wait_ready, "node_answers", running.__contains__)
         return running
 
     def test_a_node_that_is_needed_late_has_its_time_from_then(self, wait_ready, running):
@@ -636,11 +638,11 @@ def test_a_class_refuses_what_a_station_takes(tmp_path):
 
 
 TELLS = """
-python() { printf '%s\\n' "$@"; }
+python() { local IFS=$'\\n'; printf '%s\\n' "$*"; }
 env() { shift; "$@"; }
 setsid() { "$@"; }
 """
-"""Programs that tell what they were to do."""
+"""Programs that tell what they were to do, each in one piece: two run at once."""
 
 
 def test_a_robot_of_ones_own_is_started_from_the_callers_folder(tmp_path):
