@@ -151,6 +151,8 @@ class Probe:
 
     def requests_of(self, service):
         """Return what was asked of a service so far, None for an empty request."""
+        # What the probe has said is read by a thread, which may be behind the page.
+        self.do("wait")
         return list(self._requests_of.get(service, []))
 
     def forget_requests(self):

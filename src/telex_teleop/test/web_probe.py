@@ -10,6 +10,7 @@ Messages are read and written as YAML by genpy, not by the code under test.
     {"do": "serve", "service", "type", "response", ["delay"]}
     {"do": "act", "server"}                 offer a telex_msgs/FlipperPreset action
     {"do": "unsubscribe", "topic"}
+    {"do": "wait"}                          its answer comes after all that was said before
 """
 
 from __future__ import annotations
@@ -47,6 +48,9 @@ class Probe:
 
         cls = genpy.message.get_message_class(type)
         self.subscribers[topic] = rospy.Subscriber(topic, cls, heard, tcp_nodelay=True)
+
+    def do_wait(self):
+        pass
 
     def do_unsubscribe(self, topic):
         self.subscribers.pop(topic).unregister()

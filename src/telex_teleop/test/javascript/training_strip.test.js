@@ -71,12 +71,19 @@ const STATE = /** @type {any} */ ({
 
 /** @type {string[]} */
 const asked = [];
+/** What was said with the last one. @type {any} */
+let said;
 
 /** Show a phase. @param {string} phase  @param {boolean} isWatched  @param {string} [mode]  @param {boolean} [help]  Whether it is asked for. */
 function show(phase, isWatched, mode = "exam", help = false) {
   if (isWatched) get("training").dataset.watched = "true";
-  const client = /** @type {any} */ ({ act: (/** @type {string} */ name) => asked.push(name) });
-  new TrainingStrip(client, new URLSearchParams(), () => {}).show({ ...STATE, phase, mode, help });
+  const client = /** @type {any} */ ({
+    act(/** @type {string} */ name, /** @type {object} */ args) {
+      asked.push(name);
+      said = args;
+    },
+  });
+  new TrainingStrip(client, new URLSearchParams(), () => {}).show({ ...STATE, phase, mode, help, bookmarks: ["start", "door"] });
 }
 
 /** Names of the buttons that are there. */
@@ -94,6 +101,17 @@ test("a trainee can do again, give up and answer", () => {
   assert.deepEqual(questions.map(({ tags }) => tags), [["label", "button", "button"], ["label", "input"]]);
   questions[0].children[1].click();
   assert.deepEqual(asked, ["answer"]);
+});
+
+test("a trainee goes back to the bookmark of his choice, in practice", () => {
+  show("running", false);
+  assert.ok(get("training-bookmarks").hidden);
+  show("running", false, "practice");
+  assert.deepEqual(shown(), ["again", "give-up", "help", "bookmarks"]);
+  assert.equal(get("training-bookmarks-names").value, "door");
+  get("training-bookmarks-names").value = "start";
+  get("training-back").click();
+  assert.deepEqual([asked, said], [["back"], { name: "start" }]);
 });
 
 test("who watches reads the questions, and can do nothing that counts for the trainee", () => {
