@@ -638,7 +638,7 @@ def test_a_class_refuses_what_a_station_takes(tmp_path):
 
 
 TELLS = """
-python() { local IFS=$'\\n'; printf '%s\\n' "$*"; }
+python() { /usr/bin/printf '%s\\n' "$@"; }
 env() { shift; "$@"; }
 setsid() { "$@"; }
 """
