@@ -1,4 +1,8 @@
-"""Child processes that do not outlive their starter."""
+"""Child processes that do not outlive their starter.
+
+The starter is a thread, as prctl(2) has it: what is to last as long as the process is started by a
+thread that does.
+"""
 
 from __future__ import annotations
 

@@ -6,6 +6,7 @@ import contextlib
 import os
 import subprocess
 import time
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Dict, Mapping, Optional
 
 import rospy
@@ -31,6 +32,7 @@ class CamerasProcess:
         self._config: Optional[Mapping[str, Any]] = None
         self._process: Optional[subprocess.Popen[bytes]] = None
         self._started = -_AGAIN
+        self._starter = ThreadPoolExecutor(1, "cameras process")
 
     @property
     def runs(self) -> bool:
@@ -53,11 +55,13 @@ class CamerasProcess:
             rospy.delete_param(parameters)
         rospy.set_param(parameters, dict(config))
         environment: Dict[str, str] = {**os.environ, "ROS_NAMESPACE": self._namespace}
-        self._process = subprocess.Popen(
+        # It would be ended with the thread that starts it, and that of a service's call is short.
+        self._process = self._starter.submit(
+            subprocess.Popen,
             [*DIES_WITH_US, "rosrun", "telex_sim", "cameras", "__name:=cameras"],
             env=environment,
             stdin=subprocess.DEVNULL,
-        )
+        ).result()
         self._config, self._started = config, time.monotonic()
         return True
 
