@@ -2,7 +2,6 @@
 /** One or two large views, and a small one for each of the other cameras; their pictures are drawn by the video worker. */
 
 import { decimal, term, text, translated } from "./language.js";
-import { lineDelay } from "./line.js";
 import { setText } from "./panels.js";
 
 export const STALLED_AFTER = 1000; // ms without a new picture, or by which a scene is older than the line makes it, after which a view counts as stalled
@@ -15,7 +14,9 @@ const SCENE_WITHIN = 10_000; // ms after which the first picture of another scen
 
 /** What the page knows of a view, from the worker's last report. */
 export class ViewState {
-  constructor() {
+  /** @param {import("./line.js").Line} line  Its pictures come over it. */
+  constructor(line) {
+    this._line = line;
     /** @type {ViewReport | null} */
     this._report = null;
     /** @type {string} */
@@ -51,7 +52,7 @@ export class ViewState {
   /** Whether pictures come, of a scene that is no older than the line makes it. */
   get live() {
     const since = Date.now() - (this._report?.drawn ?? -Infinity);
-    return since < STALLED_AFTER && this.age < STALLED_AFTER + lineDelay();
+    return since < STALLED_AFTER && this.age < STALLED_AFTER + this._line.delay;
   }
 
   /** How old the scene was (ms) when it was drawn; null where only its picture's arrival is known. */
@@ -77,9 +78,12 @@ export class ViewState {
 
 /** A view of a camera that changes places with the first one by a click. */
 class Thumbnail {
-  /** @param {(camera: string) => void} choose */
-  constructor(choose) {
-    this.state = new ViewState();
+  /**
+   * @param {import("./line.js").Line} line
+   * @param {(camera: string) => void} choose
+   */
+  constructor(line, choose) {
+    this.state = new ViewState(line);
     this.element = document.createElement("button");
     this.element.type = "button";
     this.element.className = "thumbnail";
@@ -131,19 +135,21 @@ const LONGEST_AGE = 3_600_000;
 export class Cameras {
   /**
    * @param {VideoConfig} config
+   * @param {import("./line.js").Line} line
    * @param {HTMLCanvasElement} canvas  Of the first view.
    * @param {HTMLElement[]} places  Where the others go, one after the other; the last place has all that are left, small.
    * @param {(cameras: string[]) => void} arranged  Called with the cameras of all views, the first one's first.
    * @param {URLSearchParams} [given]  Has the token and the role that the video server may ask for.
    */
-  constructor(config, canvas, places, arranged, given = new URLSearchParams(location.search)) {
+  constructor(config, line, canvas, places, arranged, given = new URLSearchParams(location.search)) {
     this._config = config;
+    this._line = line;
     this._access = Object.fromEntries([...given].filter(([name]) => ["token", "role", "robot"].includes(name)));
     this._places = places;
     this._arranged = arranged;
     this._worker = new Worker(new URL("video_worker.js", import.meta.url), { type: "module" });
     this._worker.onmessage = ({ data }) => this._receive(data);
-    this.main = new ViewState();
+    this.main = new ViewState(line);
     /** @type {Thumbnail[]} */
     this._thumbnails = [];
     /** Called when somebody has chosen what he sees. */
@@ -263,7 +269,7 @@ export class Cameras {
     const shown = new Set(this.order);
     for (const { name } of cameras) {
       if (shown.has(name)) continue;
-      const thumbnail = new Thumbnail((camera) => this.choose(camera));
+      const thumbnail = new Thumbnail(this._line, (camera) => this.choose(camera));
       thumbnail.show(name, null);
       this._thumbnails.push(thumbnail);
       this._giveCanvas(thumbnail.canvas);

@@ -46,14 +46,19 @@ const given = new URLSearchParams(location.search);
 given.set("role", "instructor");
 if (!given.get("name")) given.set("name", "instructor");
 
-/** @param {import("./config.js").Config} config */
-function startCameras(config) {
+/**
+ * @param {import("./config.js").Config} config
+ * @param {Line} line
+ */
+function startCameras(config, line) {
   const topic = `${config.namespace}/cameras/${OVERVIEW}/image_raw`;
   const others = config.cameras.filter(({ name }) => name !== OVERVIEW);
   // The overview is large from the first picture on, even if nothing has offered it yet.
   const all = { ...config, cameras: [{ name: OVERVIEW, topic }, ...others], hidden_cameras: [], main_camera: OVERVIEW };
   const canvas = /** @type {HTMLCanvasElement} */ (byId("picture"));
-  const cameras = new Cameras(all, canvas, [byId("thumbnails")], ([name]) => setText(byId("camera-name"), translated(name)), given);
+  const cameras = new Cameras(
+    all, line, canvas, [byId("thumbnails")], ([name]) => setText(byId("camera-name"), translated(name)), given,
+  );
   cameras.start();
   return cameras;
 }
@@ -74,7 +79,8 @@ async function start() {
   const topic = globalNames(config);
   const { vocabulary } = await fetchVocabulary(given);
   showRobot(config, byId("brand"));
-  const cameras = startCameras(config);
+  const line = new Line((sentence, level) => status.log(sentence, level));
+  const cameras = startCameras(config, line);
   const warn = (/** @type {string} */ sentence) => status.warn(sentence);
   const log = (/** @type {string} */ sentence) => status.log(sentence);
 
@@ -144,7 +150,6 @@ async function start() {
   link.href = `/?${given}`;
 
   estop.advertise();
-  const line = new Line((sentence, level) => status.log(sentence, level));
   robot.subscribe(LINK_STATE.topic, LINK_STATE.type, (message) => {
     line.hear(message);
     linePanel.hear(message);

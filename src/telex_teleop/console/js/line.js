@@ -23,10 +23,6 @@ const SIGNAL = { good: 0.6, fair: 0.3 };
  * @property {number} signal     0 to 1.
  */
 
-/** By how much (ms) the line of the robot that this page shows delays what comes over it, at most. */
-let slowest = 0;
-export const lineDelay = () => slowest;
-
 export class Line {
   /** @param {(sentence: string, level: import("./messages.js").Level) => void} log */
   constructor(log) {
@@ -40,11 +36,15 @@ export class Line {
     return this._state !== null && !this._state.perfect;
   }
 
+  /** By how much (ms) it delays what comes over it, at most, as far as the bridge has said. */
+  get delay() {
+    return this._state === null ? 0 : 1000 * (this._state.delay + this._state.jitter);
+  }
+
   /** @param {LinkState} state */
   hear(state) {
     const before = this._state;
     this._state = state;
-    slowest = 1000 * (state.delay + state.jitter);
     // An operator behind the line learns of an outage when it is over; an instructor at once.
     if (state.outage && !before?.outage) this._log(text("the line is down"), "warning");
     if (!state.outage && before?.outage) this._log(text("the line is up again"), "info");

@@ -90,13 +90,16 @@ async function fetchModel(bridge) {
 /**
  * @param {import("./config.js").Config} config
  * @param {import("./robot.js").Facts} facts
+ * @param {Line} line
  */
-function startCameras(config, { cameras: declared }) {
+function startCameras(config, { cameras: declared }, line) {
   // A view is kept for the camera that is to be large, even if nothing has offered it yet: of those that the robot has.
   const names = Object.keys(declared);
   if (names.length > 0 && !names.includes(config.main_camera)) config = { ...config, main_camera: names[0] };
   const canvas = /** @type {HTMLCanvasElement} */ (byId("picture"));
-  const cameras = new Cameras(config, canvas, [byId("second"), byId("thumbnails")], ([name]) => setText(byId("camera-name"), translated(name)));
+  const cameras = new Cameras(
+    config, line, canvas, [byId("second"), byId("thumbnails")], ([name]) => setText(byId("camera-name"), translated(name)),
+  );
   cameras.start();
   return cameras;
 }
@@ -134,7 +137,8 @@ class Console {
     /** @type {RobotModel | null} */
     this._model = null;
     this._pitch = 0; // rad, positive with the nose down
-    this._cameras = startCameras(config, facts);
+    this._line = new Line((sentence, level) => this._status.log(sentence, level));
+    this._cameras = startCameras(config, facts, this._line);
     // What speaks to the robot.
     this._bridge = this._makeBridge();
     this._estop = new EmergencyStop(this._bridge, topic("e_stop"), (sentence) => this._status.warn(sentence, "alarm"));
@@ -161,7 +165,6 @@ class Console {
     this._isExam = this._listHolds = false;
     this._tellTelemetry = () => {}; // until there is somebody to tell it
     this._health = new Health(this._status, letGo);
-    this._line = new Line((sentence, level) => this._status.log(sentence, level));
     this._sound = new Sound(storage, (sentence) => this._status.log(sentence));
     this._sound.setRobot(facts);
     // What the operator presses.
