@@ -30,3 +30,59 @@ export class FakeStorage {
     this.values[name] = value;
   }
 }
+
+/** An element of a page, as far as its modules make and fill them. */
+export class FakeElement {
+  /** @param {string} [tag] */
+  constructor(tag = "") {
+    Object.assign(this, { dataset: {}, hidden: false, textContent: "", value: "", checked: false, disabled: false, open: false });
+    this.tag = tag;
+    /** @type {any[]} */
+    this.children = [];
+    /** @type {Record<string, (event: any) => void>} */
+    this._listeners = {};
+  }
+
+  setAttribute() {}
+
+  getAttribute() {
+    return null;
+  }
+
+  querySelector() {
+    return new FakeElement();
+  }
+
+  /** @param {any[]} children */
+  append(...children) {
+    this.children.push(...children);
+  }
+
+  /** @param {any[]} children */
+  replaceChildren(...children) {
+    this.children = children;
+  }
+
+  /** @param {string} kind @param {(event: any) => void} hear */
+  addEventListener(kind, hear) {
+    this._listeners[kind] = hear;
+  }
+
+  /** @param {string} kind */
+  fire(kind) {
+    this._listeners[kind]({ preventDefault() {} });
+  }
+
+  showModal() {
+    Object.assign(this, { open: true });
+  }
+
+  close() {
+    Object.assign(this, { open: false });
+  }
+
+  /** Tags of all that is in it. @returns {string[]} */
+  get tags() {
+    return this.children.flatMap((child) => (typeof child === "string" ? [] : [child.tag, ...child.tags]));
+  }
+}

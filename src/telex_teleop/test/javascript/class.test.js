@@ -1,58 +1,11 @@
 // @ts-check
 /** The page of a class: what its cards say, and its dialog that opens an exercise. */
 
-import "./browser.js";
 import assert from "node:assert/strict";
 import { test } from "node:test";
+
+import { FakeElement } from "./browser.js";
 import { lastText } from "../../../telex_training/pages/class/cards.js";
-
-class FakeElement {
-  constructor() {
-    Object.assign(this, { dataset: {}, hidden: false, textContent: "", value: "", checked: false, disabled: false, open: false });
-    /** @type {any[]} */
-    this.children = [];
-    /** @type {Record<string, (event: any) => void>} */
-    this._listeners = {};
-  }
-
-  setAttribute() {}
-
-  getAttribute() {
-    return null;
-  }
-
-  querySelector() {
-    return new FakeElement();
-  }
-
-  /** @param {any[]} children */
-  append(...children) {
-    this.children.push(...children);
-  }
-
-  /** @param {any[]} children */
-  replaceChildren(...children) {
-    this.children = children;
-  }
-
-  /** @param {string} kind @param {(event: any) => void} hear */
-  addEventListener(kind, hear) {
-    this._listeners[kind] = hear;
-  }
-
-  /** @param {string} kind */
-  fire(kind) {
-    this._listeners[kind]({ preventDefault() {} });
-  }
-
-  showModal() {
-    Object.assign(this, { open: true });
-  }
-
-  close() {
-    Object.assign(this, { open: false });
-  }
-}
 
 /** What stations tell of their trials. @type {any[]} */
 let states = [];
@@ -72,7 +25,7 @@ async function load() {
     document: {
       title: "", hidden: false, documentElement: {},
       getElementById: (/** @type {string} */ id) => (elements[id] ??= new FakeElement()),
-      createElement: () => new FakeElement(),
+      createElement: (/** @type {string} */ tag) => new FakeElement(tag),
       createTreeWalker: () => ({ nextNode: () => null }),
       querySelectorAll: () => [],
     },

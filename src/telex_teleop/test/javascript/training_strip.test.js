@@ -1,62 +1,27 @@
 // @ts-check
 /** What the strip of an exercise lets trainee and instructor do. */
 
-import "./browser.js";
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
+
+import { FakeElement } from "./browser.js";
 import { TrainingStrip } from "../../console/js/training/strip.js";
 
 /** What the page has, by ids. @type {Map<string, any>} */
 const page = new Map();
 /** @param {string} id @returns {any} */
-const get = (id) => page.get(id) ?? page.set(id, new FakeElement("")).get(id);
+const get = (id) => page.get(id) ?? page.set(id, new FakeElement()).get(id);
 
-class FakeElement {
-  /** @param {string} tag */
-  constructor(tag) {
-    Object.assign(this, { dataset: {}, hidden: false, textContent: "", value: "" });
-    this.tag = tag;
-    /** @type {any[]} */
-    this.children = [];
-    /** @type {Record<string, () => void>} */
-    this._listeners = {};
-  }
-
+class NamedElement extends FakeElement {
   /** @param {string} id */
   set id(id) {
     page.set(id, this);
   }
-
-  setAttribute() {}
-
-  /** @param {any[]} children */
-  append(...children) {
-    this.children.push(...children);
-  }
-
-  /** @param {any[]} children */
-  replaceChildren(...children) {
-    this.children = children;
-  }
-
-  /** @param {string} kind @param {() => void} hear */
-  addEventListener(kind, hear) {
-    this._listeners[kind] = hear;
-  }
-
-  click() {
-    this._listeners.click();
-  }
-
-  /** Tags of all that is in it. @returns {string[]} */
-  get tags() {
-    return this.children.flatMap((child) => (typeof child === "string" ? [] : [child.tag, ...child.tags]));
-  }
 }
 
 Object.assign(globalThis, {
-  Option: FakeElement,
-  document: { createElement: (/** @type {string} */ tag) => new FakeElement(tag), getElementById: get },
+  Option: NamedElement,
+  document: { createElement: (/** @type {string} */ tag) => new NamedElement(tag), getElementById: get },
 });
 
 const STATE = /** @type {any} */ ({
@@ -99,7 +64,7 @@ test("a trainee can do again, give up and answer", () => {
   assert.deepEqual(shown(), ["again", "give-up", "help"]);
   const questions = get("training-questions").children;
   assert.deepEqual(questions.map(({ tags }) => tags), [["label", "button", "button"], ["label", "input"]]);
-  questions[0].children[1].click();
+  questions[0].children[1].fire("click");
   assert.deepEqual(asked, ["answer"]);
 });
 
@@ -110,7 +75,7 @@ test("a trainee goes back to the bookmark of his choice, in practice", () => {
   assert.deepEqual(shown(), ["again", "give-up", "help", "bookmarks"]);
   assert.equal(get("training-bookmarks-names").value, "door");
   get("training-bookmarks-names").value = "start";
-  get("training-back").click();
+  get("training-back").fire("click");
   assert.deepEqual([asked, said], [["back"], { name: "start" }]);
 });
 
