@@ -10,6 +10,7 @@ const PING_PERIOD = 500; // ms between two questions that only measure the link
 const ANSWER_WITHIN = 5000; // ms after which a service call is given up, unless it says for itself
 const TRIPS = 6; // round trips that tell how good the link is
 const DEAD_AFTER = 3000; // ms without a message from the bridge after which the connection is given up
+const CONNECT_WITHIN = 10000; // ms after which another attempt is made: a network that was gone answers the next one at once
 const FIRST_WORD_WITHIN = 25000; // ms for the first one: on a slow line, request and answer take long
 
 /**
@@ -60,6 +61,8 @@ export class Bridge {
     this._calls = new Map();
     this._callNumber = 0;
     this._lastWord = 0;
+    /** When the present connection was begun (ms). */
+    this._began = 0;
     /** Whether the bridge has said anything since the connection was opened. */
     this._hasSpoken = false;
     /** Wall time less performance.now() (ms) since the connection was opened. */
@@ -252,6 +255,7 @@ export class Bridge {
       return;
     }
     this._socket = socket;
+    this._began = performance.now();
     socket.onopen = () => {
       this._lastWord = performance.now();
       this._hasSpoken = false;
@@ -290,7 +294,11 @@ export class Bridge {
   }
 
   _watch() {
-    if (!this.connected) return;
+    if (!this.connected) {
+      // Also what closes without having been open.
+      if (this._socket !== null && performance.now() - this._began > CONNECT_WITHIN) this._giveUp(term("the bridge is silent"));
+      return;
+    }
     const skew = Date.now() - performance.now();
     if (Math.abs(skew - this._skew) > MAX_SKEW) {
       this._giveUp(term("the computer slept"));

@@ -30,8 +30,8 @@ export class EmergencyStop {
   /** @param {boolean} data  Whether to stop. */
   set(data) {
     this._isOpen = data;
-    if (!data) this._isReleasing = true;
     this._send(data);
+    if (!data) this._isReleasing = this._isSent;
     if (!this._isSent) this._warn();
   }
 

@@ -172,3 +172,30 @@ test("the other robots of a scene are stopped as surely", async () => {
   die();
   assert.deepEqual((await connect()).asked, []);
 });
+
+test("a release that was not sent keeps no later stop from being confirmed", async () => {
+  await connect();
+  stop.set(true);
+  stop.hear({ e_stop: true });
+  die();
+  stop.set(false);
+  await connect();
+  stop.set(true);
+  stop.hear({ e_stop: true });
+  stop.hear({ e_stop: false }); // released by somebody else
+  die();
+  assert.deepEqual((await connect()).asked, []);
+});
+
+test("an attempt to connect that is not answered is given up, and another one made", async () => {
+  await new Promise((resolve) => setImmediate(resolve));
+  assert.equal(sockets.length, 1);
+  stop.set(true);
+  die();
+  assert.deepEqual([sockets[0].readyState, timers.length], [0, 0]);
+  die();
+  die();
+  assert.equal(sockets[0].readyState, 3);
+  assert.deepEqual((await connect()).asked, [true]);
+  assert.equal(sockets.length, 2);
+});
