@@ -41,7 +41,7 @@ import { leaveOut, showAction } from "./presence.js";
 import { PictureSize } from "./picture_size.js";
 import { DOSIMETER, DosimeterView } from "./radiation/dosimeter.js";
 import { RadiationMap } from "./radiation/map.js";
-import { FLIPPER_NODE, JOINT_NODES, TRACK_NODE, TYPES, UNKNOWN, fetchRobot, fetchUrdf, isSameRobot } from "./robot.js";
+import { FLIPPER_NODE, JOINT_NODES, RobotWatch, TRACK_NODE, TYPES, UNKNOWN, fetchRobot, fetchUrdf, isSameRobot } from "./robot.js";
 import { RobotClient } from "./robot_client.js";
 import { showRobot } from "./several_robots.js";
 import { SURFACE, Sound } from "./sound/sound.js";
@@ -141,6 +141,7 @@ class Console {
     this._cameras = startCameras(config, facts, this._line);
     // What speaks to the robot.
     this._bridge = this._makeBridge();
+    this._robot = new RobotWatch(GIVEN, (told) => this._setRobot(told));
     this._estop = new EmergencyStop(this._bridge, topic("e_stop"), (sentence) => this._status.warn(sentence, "alarm"));
     const robot = new RobotClient(this._bridge, topic, (sentence) => this._status.log(sentence), warn);
     const congested = () => this._commander.congested;
@@ -369,20 +370,15 @@ class Console {
     this._estop.connected();
     this._control.connected();
     this._aids.connected();
-    this._askWhatItIs();
+    this._robot.connected();
   }
 
-  /** Ask what the robot is now: where another one was started in its place, this page is not about it. */
-  async _askWhatItIs() {
-    try {
-      const facts = await fetchRobot(GIVEN);
-      if (!isSameRobot(facts, this._facts)) return location.reload();
-      this._cameraCommander.setCameras(facts.cameras);
-      this._aids.setRobot(facts);
-      this._sound.setRobot(facts);
-    } catch {
-      // What was known before still holds.
-    }
+  /** @param {import("./robot.js").Facts} facts  Where another robot was started in its place, this page is not about it. */
+  _setRobot(facts) {
+    if (!isSameRobot(facts, this._facts)) return location.reload();
+    this._cameraCommander.setCameras(facts.cameras);
+    this._aids.setRobot(facts);
+    this._sound.setRobot(facts);
   }
 
   /** @param {string} reason */
@@ -501,6 +497,7 @@ class Console {
       }
       this._map.hearStatus(sim);
       this._estop.hear(sim);
+      this._robot.hearStatus();
       status.setSim(sim);
       // What was held before must not go on after it.
       if (status.paused && !wasPaused) this._letGo(text("the simulation is paused"));

@@ -68,3 +68,48 @@ export async function fetchUrdf(given) {
 export function isSameRobot({ cameras: _, ...a }, { cameras: __, ...b }) {
   return JSON.stringify(a) === JSON.stringify(b);
 }
+
+/** How often (once a second) it is asked at most how a robot is equipped of which nothing is told. */
+const ASKED_AT_MOST = 30;
+
+/** Asks what the robot is, anew with each connection: a simulator tells how it is equipped once it stands in its scene. */
+export class RobotWatch {
+  /**
+   * @param {URLSearchParams} given
+   * @param {(facts: Facts) => void} told
+   */
+  constructor(given, told) {
+    this._given = given;
+    this._told = told;
+    /** How often it may be asked again. */
+    this._left = 0;
+    this._isAsking = false;
+  }
+
+  /** Call it when the bridge is connected. */
+  async connected() {
+    this._left = ASKED_AT_MOST;
+    await this._ask();
+  }
+
+  /** Call it with each status of the simulator; what was told before the first may be of the one before. */
+  async hearStatus() {
+    if (this._left === 0 || this._isAsking) return;
+    this._left -= 1;
+    if (await this._ask()) this._left = 0;
+  }
+
+  /** Returns whether it is told how the robot is equipped. */
+  async _ask() {
+    this._isAsking = true;
+    try {
+      const facts = await fetchRobot(this._given);
+      this._told(facts);
+      return Object.keys({ ...facts.equipment, ...facts.training_aids }).length > 0;
+    } catch {
+      return false; // what was known before still holds
+    } finally {
+      this._isAsking = false;
+    }
+  }
+}

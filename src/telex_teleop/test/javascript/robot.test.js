@@ -8,7 +8,7 @@ import { facts, made } from "./actions.js";
 import { Gripper } from "../../console/js/gripper.js";
 import { JointPositions } from "../../console/js/joints.js";
 import { subjectsOf, viewActions } from "../../console/js/presence.js";
-import { UNKNOWN, isSameRobot, whichRobot } from "../../console/js/robot.js";
+import { RobotWatch, UNKNOWN, isSameRobot, whichRobot } from "../../console/js/robot.js";
 
 test("parts of the page are about kinds of actions, nodes, commands, and looking about", () => {
   const subjects = subjectsOf(made().all);
@@ -44,4 +44,35 @@ test("a robot is another one when something else of it moves, not when a camera 
 
 test("the server is asked for this page's robot, without its token", () => {
   assert.equal(String(whichRobot(new URLSearchParams("robot=b&token=x&role=instructor"))), "robot=b");
+});
+
+test("how a robot is equipped is asked until it is told, and once after the simulator's first status", async (context) => {
+  /** @type {any[]} */
+  const answers = [];
+  let asked = 0;
+  context.mock.method(globalThis, "fetch", async () => {
+    asked += 1;
+    const answer = answers.length > 1 ? answers.shift() : answers[0];
+    if (answer === null) throw new TypeError("no connection");
+    return { ok: true, json: async () => answer };
+  });
+  /** @type {any[]} */
+  const told = [];
+  const watch = new RobotWatch(new URLSearchParams(), ({ equipment }) => told.push(equipment));
+  await watch.hearStatus(); // before there is a connection
+  assert.equal(asked, 0);
+  answers.push({ equipment: {}, training_aids: {} }, { equipment: {}, training_aids: {} }, null, { equipment: { pads: {} }, training_aids: {} });
+  await watch.connected();
+  for (let second = 0; second < 5; second += 1) await watch.hearStatus();
+  assert.deepEqual([asked, told], [4, [{}, {}, { pads: {} }]]);
+  // What stands before the first status may be of the simulator before.
+  await watch.connected();
+  await watch.hearStatus();
+  await watch.hearStatus();
+  assert.equal(asked, 6);
+  // Nothing is ever told of one that has nothing.
+  answers.splice(0, 1, { equipment: {}, training_aids: {} });
+  await watch.connected();
+  for (let second = 0; second < 100; second += 1) await watch.hearStatus();
+  assert.equal(asked, 6 + 1 + 30);
 });
