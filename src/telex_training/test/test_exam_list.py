@@ -80,8 +80,10 @@ def test_it_holds_until_it_is_let_go(bridge, listed, lifted):
     assert bridge.said == [""]  # of a node that comes anew
     listed.take("t1")
     assert listed.trial == "t1"
+    assert listed.holds("t1")
+    assert not listed.holds("t0")
     listed.release("t0")
-    assert listed.trial == "t1"
+    assert listed.holds("t1")
     listed.release("t1")
     assert listed.trial == ""
     assert bridge.said == ["", "t1", ""]
@@ -102,7 +104,9 @@ def test_who_ends_it_is_noticed_once_and_a_bridge_that_starts_anew_is_none(bridg
     listed.take("t1")
     bridge.say(String("t1"))
     assert lifted == []
+    assert listed.holds("t1")
     bridge.say(String(""))
+    assert not listed.holds("t1")
     bridge.say(String(""))
     assert lifted == [True]
 

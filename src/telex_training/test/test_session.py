@@ -22,6 +22,7 @@ from waiting import wait_until
 from telex_sim.scene.robot_in_scene import robot_description
 from telex_training.exercises.catalog import find_exercise
 from telex_training.exercises.exercise_file import ExerciseError, parse_exercise
+from telex_training.exercises.model import Failure
 from telex_training.recording import writer as writing
 from telex_training.recording.reader import read_recording
 from telex_training.recording.signature import VALID
@@ -62,7 +63,7 @@ class Simulator:
         self.lines = []
         self.failed = []
         self.ring = []
-        self.resets = 0
+        self.did = []
 
     def can_fail(self, _failure, _robot=""):
         return True
@@ -72,14 +73,22 @@ class Simulator:
         if self.problem:
             raise ApparatusError(self.problem)
 
+    @property
+    def resets(self):
+        return self.status.resets
+
     def load(self, _scene):
-        if self.problem:
-            raise ApparatusError(self.problem)
-        self.resets += 1
-        return self.resets
+        return self._put_back("load")
 
     def reset(self, _entries):
-        return self.load("")
+        return self._put_back("reset")
+
+    def _put_back(self, how):
+        if self.problem:
+            raise ApparatusError(self.problem)
+        self.did.append(how)
+        self.status.resets += 1
+        return self.status.resets
 
     def set_line(self, link, _others):
         self.lines.append(link.described)
@@ -99,7 +108,7 @@ class Simulator:
     def back(self, name):
         if name not in self.ring:
             raise ApparatusError(f"bookmark '{name}' has ended: 'crate' was spawned")
-        return self.load("")
+        return self._put_back("back")
 
 
 @pytest.fixture
@@ -202,6 +211,16 @@ def test_the_seed_of_an_exam_is_drawn_at_its_start(new_session, monkeypatch):
     assert sheet["invalid_because"] == ["the exam's list ended from outside"]
 
 
+def test_a_list_that_ends_while_its_exam_begins_makes_it_invalid(new_session):
+    session = new_session(DRILL, "exam")
+    node = training_node.TrainingNode.__new__(training_node.TrainingNode)
+    node._exam = SimpleNamespace(take=lambda _: None, holds=lambda trial: trial != session.trial)
+    node._start(session)
+    wait(session, "waiting")
+    assert not session.state()["valid"]
+    assert session.state()["invalid_because"] == ["the exam's list ended from outside"]
+
+
 def test_an_exam_whose_station_has_no_key_of_its_own_does_not_begin(new_session, tmp_path):
     session = new_session(DRILL, "exam")
     (tmp_path / "home").mkdir()
@@ -211,6 +230,24 @@ def test_an_exam_whose_station_has_no_key_of_its_own_does_not_begin(new_session,
         session.start()
     assert session.phase == "ready"
     assert not list(tmp_path.glob("*.mcap"))
+
+
+def test_a_scene_that_others_have_reset_is_loaded_anew(session, simulator):
+    def did(*expected):
+        wait_until(lambda: simulator.did == list(expected), f"{expected}", 20.0)
+        wait_until(lambda: not session._restoring, "the robot's start", 20.0)
+
+    session.load()
+    did("load")
+    simulator.status.resets += 1  # another scene, which somebody loads while the trainee reads
+    session.start()
+    did("load", "load")
+    session.again()
+    did("load", "load", "reset")
+    simulator.status.resets = 0  # a simulator that was started again, with its own scene
+    session.again()
+    did("load", "load", "reset", "load")
+    assert simulator.resets == 1
 
 
 def test_a_robot_that_lies_at_the_start_ends_the_trial(session, simulator):
@@ -414,6 +451,23 @@ def test_what_fails_silently_is_told_to_nobody_before_the_end(breaking, simulato
     # What no reset has mended ends with the trial.
     wait_until(lambda: len(simulator.failed) == 4, "the end of both", 10.0)
     assert ("left_belt", "thrown", False) in simulator.failed
+
+
+def test_a_malfunction_whose_repetition_is_over_does_not_happen(breaking, simulator):
+    session, _, _ = breaking
+    failure = Failure("left_belt", "thrown")
+    before = simulator.resets
+    session.again()
+    wait_until(lambda: simulator.did == ["load", "reset"], "the next repetition", 20.0)
+    wait_until(lambda: not session._restoring, "the next repetition", 20.0)
+    session._fail(failure, before)
+    assert simulator.failed == []
+    session._fail(failure, simulator.resets)
+    session.abort("aborted")
+    ended(session)
+    assert simulator.failed == [("left_belt", "thrown", True), ("left_belt", "thrown", False)]
+    session._fail(failure, simulator.resets)
+    assert len(simulator.failed) == 2
 
 
 def test_a_malfunction_that_is_refused_makes_the_trial_invalid(breaking, simulator):

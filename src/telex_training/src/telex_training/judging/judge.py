@@ -437,6 +437,11 @@ class Judge:
         for event, episode, detail in events:
             self._say(event, episode.name, {**detail, **of}, secret=not episode.announced)
 
+    @property
+    def resets(self) -> int:
+        """The simulator's number of resets from which the repetition has begun."""
+        return self._resets_due
+
     def take_due(self) -> List[Failure]:
         """Return what shall fail now, once; who runs the trial makes it fail."""
         if self._record.repetition is None:

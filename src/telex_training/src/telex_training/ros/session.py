@@ -118,7 +118,9 @@ class Session:
         self._channels: Optional[Channels] = None
         self._watches: List[ConfigurationWatch] = []
         self._bookmarks = TrialBookmarks()
-        self._loaded = self._has_line = False
+        # The simulator's number of resets when this session has last put all to a start.
+        self._resets: Optional[int] = None
+        self._has_line = False
         self._closing = self._restoring = False
         self._done = threading.Event()
         self._ending: Dict[str, Attachment] = {}
@@ -160,11 +162,10 @@ class Session:
 
     def _load_quietly(self) -> None:
         with self._apparatus.busy:
-            if self._loaded or self._left:
+            if self._resets is not None or self._left:
                 return
             try:
-                self._apparatus.load(self._drawn.scene)
-                self._loaded = True
+                self._resets = self._apparatus.load(self._drawn.scene)
             except ApparatusError as error:
                 self.message = f"the scene cannot be loaded: {error}"
             self._changed()
@@ -431,6 +432,7 @@ class Session:
                 with contextlib.suppress(SessionError):
                     self.abort(self.message[:_MOST_REASON], "training")
                 return
+            self._resets = resets
             if found is None:
                 self._put({"input": "drawn", "answers": self._drawn.answers})
             self._put(
@@ -464,14 +466,16 @@ class Session:
         return resets
 
     def _restore(self) -> int:
-        if not self._loaded:
-            resets = self._apparatus.load(self._drawn.scene)
-            self._loaded = True
-            return resets
+        if self._resets is None:
+            return self._apparatus.load(self._drawn.scene)
         self._failures.clear()
         if self._drawn.entries:
             # What was read before must not be right again.
             self._drawn = draw(self.exercise, self._seed)
+        status = self._apparatus.status
+        if status is None or status.resets != self._resets:
+            # Others have reset it since, or it has begun anew: the scene may be another one.
+            return self._apparatus.load(self._drawn.scene)
         return self._apparatus.reset(self._drawn.entries)
 
     def _set_line(self) -> None:
@@ -505,9 +509,9 @@ class Session:
         before = self._judge.phase
         with self._judging:
             events = [each for each in self._judge.feed(entry) if not each.secret]
-            due = self._judge.take_due()
+            due, resets = self._judge.take_due(), self._judge.resets
         for failure in due:
-            threading.Thread(target=self._fail, args=(failure,), daemon=True).start()
+            threading.Thread(target=self._fail, args=(failure, resets), daemon=True).start()
         try:
             for event in events:
                 self._happened(self.trial, event)
@@ -526,22 +530,34 @@ class Session:
             self._closing = True
             threading.Thread(target=self._close, name="sheet").start()
 
-    def _fail(self, failure: Failure) -> None:
-        """Let something of the robot fail, until the next repetition or the trial's end."""
-        self._failures.append(failure)
-        try:
-            self._apparatus.fail(failure, robot=self._others.get(failure.robot, ""))
-        except ApparatusError as error:
-            rospy.logerr("training: %s %s does not fail: %s", failure.what, failure.kind, error)
-            self._put({"input": "outside", "what": "a malfunction that could not be made"})
+    def _fail(self, failure: Failure, resets: int) -> None:
+        """Let something of the robot fail, until the next repetition or the trial's end.
+
+        Parameters
+        ----------
+        failure : Failure
+        resets : int
+            The simulator's number of resets when the repetition began whose failure it is.
+        """
+        with self._apparatus.busy:
+            if self._resets != resets:
+                return  # that repetition is over
+            self._failures.append(failure)
+            try:
+                self._apparatus.fail(failure, robot=self._others.get(failure.robot, ""))
+            except ApparatusError as error:
+                rospy.logerr("training: %s %s does not fail: %s", failure.what, failure.kind, error)
+                self._put({"input": "outside", "what": "a malfunction that could not be made"})
 
     def _mend(self) -> None:
         """Let work again what the exercise has let fail and no reset has mended."""
-        while self._failures:
-            # Most have ended already: that is no mistake.
-            with contextlib.suppress(ApparatusError):
-                failure = self._failures.pop()
-                self._apparatus.fail(failure, False, self._others.get(failure.robot, ""))
+        with self._apparatus.busy:
+            self._resets = None
+            while self._failures:
+                # Most have ended already: that is no mistake.
+                with contextlib.suppress(ApparatusError):
+                    failure = self._failures.pop()
+                    self._apparatus.fail(failure, False, self._others.get(failure.robot, ""))
 
     def _set_quietly(self, wanted: Wanted) -> None:
         try:

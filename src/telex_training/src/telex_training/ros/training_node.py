@@ -345,11 +345,17 @@ class TrainingNode:
         except Exception:
             self._exam.release(session.trial)
             raise
+        if not self._exam.holds(session.trial):
+            # Before its trial began: nobody has told it.
+            self._list_ended(session)
 
     def _on_list_lifted(self) -> None:
         session = self._session
         if session is not None and session.begun and session.mode == EXAM:
-            session.outside("the exam's list ended")
+            self._list_ended(session)
+
+    def _list_ended(self, session: Session) -> None:
+        session.outside("the exam's list ended")
 
     def _end_list(self) -> None:
         """Let an exam's list end with its trial, once that is recorded to its end."""

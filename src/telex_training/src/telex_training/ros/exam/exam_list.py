@@ -101,6 +101,11 @@ class ExamList:
                 f"running ({names})?"
             )
 
+    def holds(self, trial: str) -> bool:
+        """Whether the list of a trial holds, and nobody has ended it since it was taken."""
+        with self._lock:
+            return self._confirmed and self._wanted == trial
+
     def _open(self) -> List[str]:
         """Return the robots at whose bridges the list that is wanted does not hold."""
         return [each for each, held in self._held.items() if held != self._wanted]
