@@ -11,6 +11,8 @@
 # ros_address:=NAME_OR_ADDRESS opens ROS to other machines, which know this one by it (docs/engineer/network.md).
 # Ctrl-C ends it all. A running ROS master (ROS_MASTER_URI, or -p PORT) is used; without one, one is started.
 set -uo pipefail
+# Also while a program is waited for that takes the signal in its own way, as the set-up does.
+trap 'exit 130' INT
 
 root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd -P)"
 case "${1:-}" in
@@ -233,26 +235,32 @@ mark="TELEX_RUN=$$-$(date +%s%N)"
 launch_pid=
 started() { grep -lszxF "$mark" /proc/[0-9]*/environ 2>/dev/null | cut -d/ -f3; }
 
-# Asks everything to end, then insists, within 5 s. roslaunch, when it may, ends its nodes in order.
+# Asks everything to end for 3 s, then insists. roslaunch, when it may, ends its nodes in order.
 stop() {
   # PIPE as well: what reads the output may have ended by the same Ctrl-C.
   trap '' INT TERM HUP PIPE
   [ -n "$launch_pid" ] || return
   printf '\nStopping the simulator ...\n'
-  local round
-  for round in $(seq 1 30); do
-    [ -z "$(started)" ] && break
-    if kill -0 "$launch_pid" 2>/dev/null; then
+  # By a clock, in ms: on a busy machine each look at all processes takes its time.
+  local left passed=0 asked=0
+  local -r began="${EPOCHREALTIME/[.,]/}"
+  while left="$(started)"; [ -n "$left" ] && [ "$passed" -lt 15000 ]; do
+    if [ "$passed" -ge 3000 ]; then
+      # shellcheck disable=SC2086
+      kill -KILL $left 2>/dev/null
+    elif kill -0 "$launch_pid" 2>/dev/null; then
       # Again and again: a program that is just being started does not hear the first one.
-      [ $((round % 10)) -eq 1 ] && kill -INT "$launch_pid" 2>/dev/null
+      if [ "$passed" -ge "$asked" ]; then
+        kill -INT "$launch_pid" 2>/dev/null
+        asked=$((passed + 1000))
+      fi
     else
-      # shellcheck disable=SC2046
-      kill -TERM $(started) 2>/dev/null
+      # shellcheck disable=SC2086
+      kill -TERM $left 2>/dev/null
     fi
     sleep 0.1
+    passed=$(((${EPOCHREALTIME/[.,]/} - began) / 1000))
   done
-  # shellcheck disable=SC2046
-  [ -z "$(started)" ] || kill -KILL $(started) 2>/dev/null
   wait 2>/dev/null
   launch_pid=
   printf 'The simulator has ended.\n'

@@ -26,6 +26,7 @@ from xml.etree import ElementTree
 
 import pytest
 import rosgraph
+from waiting import wait_until
 
 from telex_experiments.rigs.private_master import free_port
 
@@ -33,6 +34,8 @@ pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).resolve().parents[1]
 OPENS_ROS = ("ROS_IP", "ROS_HOSTNAME")
+FOREVER = 300.0
+"""Longer than any program takes that these tests wait for (s)."""
 LOOPBACK = "0100007F"
 """127.0.0.1 as /proc/net/tcp has it."""
 
@@ -91,7 +94,7 @@ def private(tmp_path):
     return marker, {**inherited, "ROS_MASTER_URI": marker, "ROS_LOG_DIR": str(tmp_path)}
 
 
-def run(*arguments, timeout, environment=None):
+def run(*arguments, environment=None):
     """Start run.sh where it will not get far, and wait for its end."""
     return subprocess.run(
         ["./launch_scripts/run.sh", *arguments],
@@ -99,7 +102,7 @@ def run(*arguments, timeout, environment=None):
         env=environment,
         capture_output=True,
         text=True,
-        timeout=timeout,
+        timeout=FOREVER,
         check=False,
     )
 
@@ -240,7 +243,7 @@ def test_the_first_picture_may_be_of_any_camera(wait_ready, monkeypatch):
         "hidden_cameras": ["overview"],
     }
     monkeypatch.setattr(wait_ready, "fetch", lambda *_: ("http://h:1", json.dumps(config)))
-    monkeypatch.setattr(wait_ready.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(wait_ready, "time", SimpleNamespace(monotonic=lambda: now[0]))
     published = [["/c/front/compressed", ""], ["/c/rear", ""], ["/c/overview/compressed", ""]]
     monkeypatch.setattr(wait_ready.rospy, "get_published_topics", lambda: published)
     monkeypatch.setattr(wait_ready.rospy, "Subscriber", lambda topic, *_, **__: asked.append(topic))
@@ -263,7 +266,7 @@ def test_run_starts_everything_and_ctrl_c_leaves_nothing(private):
         ["./launch_scripts/run.sh", "video_port:=0", "bridge_port:=0", "pose:=drive"], environment
     )
     try:
-        assert terminal.read_until(r"Stop +Ctrl-C", 120.0), terminal.text[-3000:]
+        assert terminal.read_until(r"Stop +Ctrl-C", FOREVER), terminal.text[-3000:]
         url = re.search(r"Console +(http://127\.0\.0\.1:\d+)", terminal.text).group(1)
         with urllib.request.urlopen(url, timeout=10.0) as answer:
             assert b"<html" in answer.read()
@@ -283,7 +286,7 @@ def test_run_starts_everything_and_ctrl_c_leaves_nothing(private):
             assert "/rosout/rosout" in command or "/robot_state_publisher " in command
         assert "ROS is open" not in terminal.text
         ports = ("video_port:=0", "bridge_port:=0")
-        second = run(*ports, environment=environment, timeout=60.0)
+        second = run(*ports, environment=environment)
         assert second.returncode == 2
         assert f"/telex/simulator runs already on the ROS master {marker}" in second.stderr
         assert processes_of(marker.encode()) != []
@@ -292,7 +295,7 @@ def test_run_starts_everything_and_ctrl_c_leaves_nothing(private):
     finally:
         os.write(terminal.fd, b"\x03")
         stopped_at = time.monotonic()
-    assert not terminal.read_until(None, 30.0)
+    assert not terminal.read_until(None, FOREVER)
     took = time.monotonic() - stopped_at
     _, status = os.waitpid(terminal.pid, 0)
     assert took < 5.0
@@ -316,7 +319,7 @@ def test_it_starts_on_an_address_that_needs_tokens_without_a_front_camera(privat
         environment,
     )
     try:
-        assert terminal.read_until(r"Stop +Ctrl-C", 120.0), terminal.text[-3000:]
+        assert terminal.read_until(r"Stop +Ctrl-C", FOREVER), terminal.text[-3000:]
         url, token = re.search(r"Console +(http:\S+/)\?token=(\S+)", terminal.text).groups()
         page, teacher = re.search(r"Instructor +(\S+)\?token=(\S+)", terminal.text).groups()
         assert page == f"{url}instructor"
@@ -335,7 +338,7 @@ def test_it_starts_on_an_address_that_needs_tokens_without_a_front_camera(privat
             assert secret not in logs
     finally:
         os.write(terminal.fd, b"\x03")
-    assert not terminal.read_until(None, 30.0)
+    assert not terminal.read_until(None, FOREVER)
     os.waitpid(terminal.pid, 0)
     assert processes_of(marker.encode()) == []
 
@@ -346,10 +349,11 @@ def test_it_starts_on_an_address_that_needs_tokens_without_a_front_camera(privat
 def test_ctrl_c_while_it_starts_leaves_nothing_either(private, delay):
     marker, environment = private
     terminal = Terminal(["./launch_scripts/run.sh", "video_port:=0", "bridge_port:=0"], environment)
+    assert terminal.read_until("Starting the simulator", FOREVER), terminal.text[-3000:]
     time.sleep(delay)
     os.write(terminal.fd, b"\x03")
     stopped_at = time.monotonic()
-    assert not terminal.read_until(None, 30.0)
+    assert not terminal.read_until(None, FOREVER)
     took = time.monotonic() - stopped_at
     _, status = os.waitpid(terminal.pid, 0)
     assert processes_of(marker.encode()) == []
@@ -377,7 +381,7 @@ def test_what_is_no_master_runs_no_simulator(said):
             env={**os.environ, "ROS_MASTER_URI": address},
             capture_output=True,
             text=True,
-            timeout=30.0,
+            timeout=FOREVER,
             check=False,
         )
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
@@ -393,7 +397,7 @@ def test_a_port_in_use_is_said_and_ends_the_start(private):
         port = taken.getsockname()[1]
         arguments = ["video_port:=0", f"bridge_port:={port}", "cameras:=false", "world:=floor"]
         terminal = Terminal(["./launch_scripts/run.sh", *arguments], environment)
-        assert not terminal.read_until(None, 60.0)
+        assert not terminal.read_until(None, FOREVER)
     _, status = os.waitpid(terminal.pid, 0)
     assert os.WEXITSTATUS(status) == 1
     assert "try bridge_port:=9091" in terminal.text
@@ -413,7 +417,7 @@ def test_a_start_that_fails_says_why_and_leaves_nothing(private):
         ],
         environment,
     )
-    assert not terminal.read_until(None, 60.0)
+    assert not terminal.read_until(None, FOREVER)
     _, status = os.waitpid(terminal.pid, 0)
     assert os.WEXITSTATUS(status) == 1
     assert "pose is 'handstand'; there are: drive" in terminal.text
@@ -433,7 +437,7 @@ def test_a_start_that_fails_says_why_and_leaves_nothing(private):
     ],
 )
 def test_an_argument_that_nobody_asks_for_is_refused_at_once(arguments):
-    done = run(*arguments, timeout=30.0)
+    done = run(*arguments)
     assert done.returncode == 2
     assert f"unknown argument '{arguments[-1]}'; there are: ns:= gui:= " in done.stderr
     assert " world:= " in done.stderr
@@ -443,7 +447,7 @@ def test_an_argument_that_nobody_asks_for_is_refused_at_once(arguments):
 
 @pytest.mark.parametrize("name", ["token", "instructor_token"])
 def test_a_token_on_the_command_line_is_refused_and_not_shown(name):
-    done = run(f"{name}:=sesame", timeout=30.0)
+    done = run(f"{name}:=sesame")
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith(f"run.sh: {name}:= is gone")
     assert f"give {name}_file:=FILE" in done.stderr
@@ -457,7 +461,7 @@ def test_roslaunch_refuses_it_too(launch_file, name):
         ["roslaunch", "--dump-params", "telex_teleop", launch_file, f"{name}:=sesame"],
         capture_output=True,
         text=True,
-        timeout=30.0,
+        timeout=FOREVER,
         check=False,
     )
     assert done.stdout == ""  # there is nothing to be started
@@ -468,7 +472,7 @@ def test_roslaunch_refuses_it_too(launch_file, name):
 @pytest.mark.parametrize("address", ["0.0.0.0", "192.0.2.77", "no.such.host.invalid"])
 def test_ros_is_not_opened_at_what_is_no_address_of_this_machine(private, address):
     _, environment = private
-    done = run(f"ros_address:={address}", environment=environment, timeout=60.0)
+    done = run(f"ros_address:={address}", environment=environment)
     assert done.returncode == 2
     assert f"ros_address:={address} is no name or address of this machine" in done.stderr
 
@@ -496,7 +500,7 @@ def test_ros_is_for_this_machine_unless_told_otherwise(given, ros_ip, master):
         env={**bare, **given},
         capture_output=True,
         text=True,
-        timeout=30.0,
+        timeout=FOREVER,
         check=True,
     )
     own = ROOT / "src" / "telex_control" / "bin" / "rosmaster"
@@ -521,7 +525,7 @@ def test_every_argument_of_the_launch_file_is_known(tmp_path):
         ],
         capture_output=True,
         text=True,
-        timeout=30.0,
+        timeout=FOREVER,
         check=False,
     )
     assert (done.returncode, done.stdout, done.stderr) == (1, "begins\n", "")
@@ -570,7 +574,7 @@ def run_alone(tmp_path, *arguments, environment=""):
         cwd=tmp_path,
         capture_output=True,
         text=True,
-        timeout=30.0,
+        timeout=FOREVER,
         check=False,
     )
 
@@ -587,13 +591,24 @@ def test_it_ends_what_it_started_when_nobody_reads_its_output_any_more(tmp_path)
     )
     assert b"Starting" in running.stdout.readline()
     mark = f"TELEX_RUN={running.pid}-".encode()
-    end = time.monotonic() + 20.0
-    while len(processes_of(mark)) < 2 and time.monotonic() < end:
-        time.sleep(0.05)
+    wait_until(lambda: len(processes_of(mark)) >= 2, "both programs to run", FOREVER, 0.05)
     running.stdout.close()
     running.terminate()
-    assert running.wait(20.0) == 143
+    assert running.wait(FOREVER) == 143
     assert processes_of(mark) == []
+
+
+def test_ctrl_c_while_it_is_set_up_ends_it_as_later(tmp_path):
+    script = alone(tmp_path, "")
+    script.with_name("setup.sh").write_text("#!/bin/sh\necho begins\nexec sleep 600\n")
+    terminal = Terminal(["bash", str(script)], os.environ)
+    assert terminal.read_until("begins", FOREVER), terminal.text
+    os.write(terminal.fd, b"\x03")
+    assert not terminal.read_until(None, FOREVER)
+    _, status = os.waitpid(terminal.pid, 0)
+    assert os.WIFEXITED(status)
+    assert os.WEXITSTATUS(status) == 130
+    assert "Starting" not in terminal.text
 
 
 def test_the_robots_namespace_is_not_put_below_another(tmp_path, monkeypatch):
