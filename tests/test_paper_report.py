@@ -11,7 +11,6 @@ import re
 import signal
 import subprocess
 import sys
-import time
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -468,10 +467,22 @@ def test_what_computes_stands_still_while_one_has_to_be_alone(fakes):
 def test_one_that_takes_too_long_is_ended_with_all_that_it_started(fakes, monkeypatch):
     monkeypatch.setattr(schedule, "PATIENCE", 0.0)
     monkeypatch.setattr(schedule, "GRACE", 4.0)
+    file = fakes / "endless" / "child"
+
+    class Endless(subprocess.Popen):
+        """Its time runs out once its child is there."""
+
+        def wait(self, timeout=None):
+            if timeout == schedule.GRACE:
+                wait_until(lambda: file.exists() and file.read_text(), "the child", 300.0)
+                timeout = 0.0
+            return super().wait(timeout)
+
+    monkeypatch.setattr(schedule.subprocess, "Popen", Endless)
     (outcome,) = Schedule(fakes, False, 1, lambda line: None).run(registry.select(["endless"]))
     assert "ended after 4 s" in outcome.result.error
     assert not outcome.result.ok
-    child = int((fakes / "endless" / "child").read_text())
+    child = int(file.read_text())
     wait_until(lambda: not runs(child), "the child to end", 5.0)
 
 
@@ -504,7 +515,7 @@ def runs(pid):
     """Tell whether a process runs."""
     try:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except FileNotFoundError:
+    except (FileNotFoundError, ProcessLookupError):
         return False
 
 
@@ -587,7 +598,11 @@ clock = rospy.Publisher("/clock", Clock, queue_size=10)
 stop = rospy.Publisher("/telex/e_stop", Bool, queue_size=10)
 while clock.get_num_connections() < 2:  # its own, and the recorder's
     time.sleep(0.01)
-for step in range(1000):
+heard = 0
+for step in range(10000):
+    heard += stop.get_num_connections()
+    if heard == 100:
+        print("heard", flush=True)
     stop.publish(step % 2 == 0)
     if step > 100:
         clock.publish(rospy.Time(100, 10_000_000 * (step % 100)))
@@ -613,7 +628,7 @@ def test_a_bag_begins_with_the_sim_time(tmp_path):
                     )
                 )
             assert started[-1].stdout.readline().strip() == b"recording"
-            time.sleep(1.0)
+            assert started[0].stdout.readline().strip() == b"heard"
         finally:
             for process in reversed(started):
                 end_tree(process)

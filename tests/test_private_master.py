@@ -39,7 +39,7 @@ def is_running(pid):
     try:
         with open(f"/proc/{pid}/stat") as file:
             return file.read().rpartition(")")[2].split()[0] != "Z"
-    except FileNotFoundError:
+    except (FileNotFoundError, ProcessLookupError):
         return False
 
 
@@ -72,8 +72,8 @@ def test_master_is_there_and_gone(monkeypatch):
         tree = set(descendants(os.getpid())) - others
         assert tree
         assert os.path.isdir(environment["ROS_LOG_DIR"])
+    wait_until(lambda: not any(map(is_running, tree)), "the master to end", 15.0)
     assert not rosgraph.is_master_online(master.uri)
-    assert not any(is_running(pid) for pid in tree)
     assert not os.path.exists(environment["ROS_HOME"])
 
 
