@@ -22,7 +22,7 @@ from ..scene.planning import PlannedScene
 from .frames import read_values, write_values
 from .process import (
     MOST_MEMORY,
-    MOST_WAITING,
+    MOST_TIME,
     EntryRequest,
     ListedScene,
     ListingRequest,
@@ -164,7 +164,7 @@ class RehearsalClient:
                 raise ConfigError(
                     f"the process that tries what comes from outside cannot be started: {error}"
                 ) from error
-        ours.settimeout(_STARTING + MOST_WAITING)
+        ours.settimeout(_STARTING + MOST_TIME)
         self._connection = ours
         with contextlib.suppress(OSError), ours.makefile("wb") as file:
             write_values(file, [self._config])

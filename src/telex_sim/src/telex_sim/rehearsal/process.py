@@ -12,6 +12,7 @@ import errno
 import gc
 import os
 import resource
+import select
 import signal
 import socket
 import time
@@ -40,13 +41,19 @@ from .trial import Rehearsal, check_names, check_scene
 MOST_SECONDS = 2.0
 """Computing time for reading, and again for building and stepping."""
 MOST_WAITING = 15.0
-"""Wall time after which a rehearsal is ended whatever it waits for (s)."""
+"""Wall time without computing after which a rehearsal is ended, whatever it waits for (s)."""
+MOST_TIME = 120.0
+"""Wall time after which it is ended even where a busy machine lets it compute now and then (s)."""
 MOST_MEMORY = 1024**3
 """Bytes of memory of its own, what it starts with included."""
+_LOOK = 0.5
+"""Wall time between two looks whether a rehearsal computes (s)."""
 _MOST_ANSWER = 256 * 1024**2
 """Bytes of an answer."""
-_TOO_LATE = -1
+_STOOD = -1
 """Status of a rehearsal that was ended after `MOST_WAITING`."""
+_TOO_LATE = -2
+"""Status of one that was ended after `MOST_TIME`."""
 _PR_SET_PDEATHSIG = 1
 _prctl = ctypes.CDLL(None).prctl
 
@@ -222,10 +229,12 @@ def _end_with(parent: int) -> None:
 def _perform(request: Any, stage: _Stage) -> Tuple[int, int]:
     """Fork for a request; returns the file of its answer, and how the process ended.
 
-    That is a status as `os.waitpid` has it, or `_TOO_LATE`.
+    That is a status as `os.waitpid` has it, `_STOOD` or `_TOO_LATE`.
     """
     answer = os.memfd_create("rehearsal")
     parent = os.getpid()
+    # The child holds the other end of it for as long as it lives.
+    lives, held = os.pipe()
     pid = os.fork()
     if pid == 0:
         status = 1
@@ -234,22 +243,40 @@ def _perform(request: Any, stage: _Stage) -> Tuple[int, int]:
             _rehearse(request, stage, file)
             status = 0
         os._exit(status)
-    until = time.monotonic() + MOST_WAITING
-    while True:
-        done, status = os.waitpid(pid, os.WNOHANG)
-        if done:
-            return answer, status
-        left = until - time.monotonic()
-        if left <= 0.0 or signal.sigtimedwait([signal.SIGCHLD], left) is None:
-            os.kill(pid, signal.SIGKILL)
-            os.waitpid(pid, 0)
-            return answer, _TOO_LATE
+    os.close(held)
+    late = _wait_for_end(pid, lives)
+    os.close(lives)
+    if late:
+        os.kill(pid, signal.SIGKILL)
+    _, status = os.waitpid(pid, 0)
+    # It may have ended by itself before it was killed.
+    killed = os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGKILL
+    return answer, late if late and killed else status
+
+
+def _wait_for_end(pid: int, lives: int) -> int:
+    """Wait until a child that holds a pipe ends; returns 0, `_STOOD` or `_TOO_LATE`."""
+    # Of all its threads, as clock_getcpuclockid(3) makes it.
+    clock = (~pid << 3) | 2
+    until = time.monotonic() + MOST_TIME
+    # By looks, for a busy machine may hold up both processes for longer than one of them takes.
+    computed, stood = 0.0, 0
+    while not select.select([lives], [], [], _LOOK)[0]:
+        before, computed = computed, time.clock_gettime(clock)
+        stood = stood + 1 if computed == before else 0
+        if stood * _LOOK > MOST_WAITING:
+            return _STOOD
+        if time.monotonic() > until:
+            return _TOO_LATE
+    return 0
 
 
 def _why_ended(request: Any, status: int, most_memory: int) -> ConfigError:
     """In words, what ended a process that gave no answer."""
-    if status == _TOO_LATE:
-        why = f"it took more than {MOST_WAITING:g} s"
+    if status == _STOOD:
+        why = f"it waited for more than {MOST_WAITING:g} s"
+    elif status == _TOO_LATE:
+        why = f"it took more than {MOST_TIME:g} s"
     elif os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGPROF:
         why = f"it took more than {MOST_SECONDS:g} s of computing"
     elif os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGKILL:
@@ -270,7 +297,6 @@ def serve(connection: socket.socket, config: SimulatorConfig, most_memory: int) 
         package_path("telex_sim")
     gc.collect()
     gc.freeze()
-    signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGCHLD])
     with connection.makefile("rb") as asked, connection.makefile("wb") as answers:
         while True:
             try:
