@@ -12,6 +12,7 @@ from telex_msgs.msg import BridgeClients, OverviewView
 from web_fakes import on_loop
 
 from telex_teleop.web.bridge.protocol.operations import OperationError
+from telex_teleop.web.bridge.services.advertise_service import MAX_PENDING
 from telex_teleop.web.bridge.services.rosapi import type_details
 
 SWITCH = {"service": "/mine/switch", "type": "std_srvs/SetBool"}
@@ -110,7 +111,11 @@ async def test_calls_fail_when_their_client_goes_or_says_nothing():
     bench = Bench(service_timeout=0.1)
     client = await offered(bench)
     late = Call(bench)
+    asked = await client.hear()
     assert "did not answer within 0.1 s" in await late.result()
+    await bench.settle()
+    client.say("service_response", service="/mine/switch", id=asked["id"], values={})
+    assert "no call of /mine/switch with this id waits" in (await client.hear())["msg"]
     bench = Bench()
     client = await offered(bench)
     call = Call(bench)
@@ -119,6 +124,17 @@ async def test_calls_fail_when_their_client_goes_or_says_nothing():
     assert await call.result() == "the client that offered /mine/switch is gone"
     await bench.settle()
     assert bench.ros.services_offered == {}
+
+
+@on_loop
+async def test_calls_that_were_not_answered_take_no_place():
+    bench = Bench(service_timeout=0.1)
+    await offered(bench)
+    calls = [Call(bench) for _ in range(MAX_PENDING)]
+    for call in calls:
+        assert "did not answer" in await call.result()
+    await bench.settle()
+    assert "did not answer" in await Call(bench).result()
 
 
 @on_loop

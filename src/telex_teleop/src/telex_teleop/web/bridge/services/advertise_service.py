@@ -89,6 +89,8 @@ class AdvertisedService:
         try:
             return answer.result(self._timeout)
         except concurrent.futures.TimeoutError:
+            # It waits no more for its answer; one that comes just now is refused.
+            answer.cancel()
             raise OperationError(
                 f"the client that offers {self.name} did not answer within {self._timeout:g} s"
             ) from None
@@ -127,7 +129,12 @@ class AdvertisedService:
             No call of this id waits, or the values do not fit the service's response.
         """
         answer = self._pending.pop(call_id, None) if isinstance(call_id, str) else None
-        if answer is None or answer.done() or self._response_codec is None:
+        if (
+            answer is None
+            or answer.done()
+            or not answer.set_running_or_notify_cancel()
+            or self._response_codec is None
+        ):
             raise OperationError(f"no call of {self.name} with this id waits for an answer")
         failed = isinstance(values, str) or (values is None and not succeeded)
         if failed:
