@@ -135,3 +135,16 @@ def test_what_cannot_be_set_as_parameters_is_told_of_the_recording(parts, monkey
     ):
         with pytest.raises(RecordingError, match=r"t1\.mcap: it cannot be drawn: OverflowError"):
             draw()
+
+
+def test_it_does_not_rest_just_when_somebody_looks(parts):
+    made, _, _ = parts
+    made._idle = 0.0
+    with made._turn:
+        resting = threading.Thread(target=made.rest)
+        resting.start()
+        resting.join(5.0)
+        assert not resting.is_alive()
+    assert made._process.runs
+    made.rest()
+    assert not made._process.runs

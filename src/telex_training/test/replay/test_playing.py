@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from types import SimpleNamespace
 
 import pytest
@@ -20,10 +21,12 @@ class FakeDrawing:
     def __init__(self, *_settings):
         self.problem = ""
         self.placed = []
+        self.on_its_way = lambda: None
 
     def place(self, _replay, moment):
         if self.problem:
             raise RecordingError(self.problem)
+        self.on_its_way()
         self.placed.append(moment.time)
 
 
@@ -63,6 +66,22 @@ def test_it_plays_from_where_it_was_sought(node):
     assert seek(node, 1.0, 2.0).success
     assert node._play(0.1)
     assert node._drawing.placed[-1] == pytest.approx(1.2, abs=0.021)
+
+
+def test_what_is_played_does_not_come_after_what_is_sought(node):
+    assert seek(node, 1.0, 1.0).success
+    sought = threading.Thread(target=seek, args=(node, 0.5, 0.0))
+
+    def seek_meanwhile():
+        node._drawing.on_its_way = lambda: None
+        sought.start()
+        # Long enough for the other to overtake, if it could.
+        sought.join(0.3)
+
+    node._drawing.on_its_way = seek_meanwhile
+    assert node._play(0.1)
+    sought.join()
+    assert node._drawing.placed[-1] == pytest.approx(0.5, abs=0.021)
 
 
 def test_what_cannot_be_drawn_where_it_is_sought_does_not_play(node):

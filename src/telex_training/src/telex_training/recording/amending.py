@@ -42,10 +42,11 @@ def amend(path: Path, inputs: Sequence[Mapping[str, Any]], wall_ns: int) -> str:
     RecordingError
     """
     with alone(path.parent):
-        return _amend(path, inputs, wall_ns)
+        return amend_alone(path, inputs, wall_ns)
 
 
-def _amend(path: Path, inputs: Sequence[Mapping[str, Any]], wall_ns: int) -> str:
+def amend_alone(path: Path, inputs: Sequence[Mapping[str, Any]], wall_ns: int) -> str:
+    """Do the same in a folder that the caller has `alone`."""
     recording = repair(path)
     entries, walls = list(recording.entries), list(recording.walls)
     last = entries[-1] if entries else Entry(-1, 0.0, "", "", b"")

@@ -185,9 +185,14 @@ class Drawing:
 
     def rest(self) -> None:
         """End what draws where nobody has looked for long; call now and then."""
-        if self._process.runs and time.monotonic() - self._drawn_at > self._idle:
-            with self._turn:
+        # Whoever has it looks just now.
+        if not self._turn.acquire(blocking=False):
+            return
+        try:
+            if self._process.runs and time.monotonic() - self._drawn_at > self._idle:
                 self._release()
+        finally:
+            self._turn.release()
 
     def close(self) -> None:
         """End what draws."""

@@ -62,6 +62,8 @@ class ReplayNode:
             self.is_busy,
             settings.busy_period,
         )
+        # Held by who says what is shown until it is placed: nothing of before comes after it.
+        self._showing = threading.Lock()
         self._lock = threading.Lock()
         self._replay: Optional[Replay] = None
         self._time = self._speed = 0.0
@@ -88,9 +90,10 @@ class ReplayNode:
         """
         found = self._shelf.open(trial)
         replay = found.replay
-        with self._lock:
-            self._replay, self._time, self._speed = replay, 0.0, 0.0
-        self._drawing.place(replay, replay.timeline.at(0))
+        with self._showing:
+            with self._lock:
+                self._replay, self._time, self._speed = replay, 0.0, 0.0
+            self._drawing.place(replay, replay.timeline.at(0))
         self._tell()
         timeline = replay.timeline
         return OpenReplayResponse(
@@ -125,10 +128,13 @@ class ReplayNode:
             moment = replay.timeline.moment(request.time)
         except ValueError as error:
             return SeekReplayResponse(message=str(error))
-        with self._lock:
-            self._time, self._speed = moment.time, 0.0
         try:
-            self._drawing.place(replay, moment)
+            with self._showing:
+                with self._lock:
+                    if self._replay is not replay:
+                        return SeekReplayResponse(message="another recording was opened meanwhile")
+                    self._time, self._speed = moment.time, 0.0
+                self._drawing.place(replay, moment)
         except RecordingError as error:
             self._tell()
             return SeekReplayResponse(message=str(error))
@@ -170,6 +176,10 @@ class ReplayNode:
 
     def _play(self, passed: float) -> bool:
         """Go on by the wall time that has passed (s); returns whether it plays."""
+        with self._showing:
+            return self._play_on(passed)
+
+    def _play_on(self, passed: float) -> bool:
         with self._lock:
             replay = self._replay
             if replay is None or self._speed == 0.0:

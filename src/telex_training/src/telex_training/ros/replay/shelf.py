@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, List, Mapping, NamedTuple, Tuple
 
 from ...judging.moments import MOST_NOTES, MomentNote
-from ...recording.amending import amend
+from ...recording.amending import alone, amend_alone
 from ...recording.pseudonym import operator_of
 from ...recording.writer import RecordingError
 from ...replay.replay import Replay
@@ -113,13 +113,15 @@ class Shelf:
                 )
             if len(replay.notes) >= MOST_NOTES:
                 raise RecordingError(f"{path}: it has {MOST_NOTES} notes; more are not possible")
-            before = _changed(path)
-            amend(path, [note.content()], time.time_ns())
+            with alone(path.parent):
+                before = _changed(path)
+                amend_alone(path, [note.content()], time.time_ns())
+                after = _changed(path)
             replay.notes.append(note)
             known = self._open.get(path)
             if known is not None and known[0] == before:
                 # What has changed is known: it needs not be read again.
-                self._open[path] = (_changed(path), known[1])
+                self._open[path] = (after, known[1])
 
     def permitted(self, trial: str, name: str, instructor: bool) -> Open:
         """Open a recording for whoever may see it: its operator, and instructors.
