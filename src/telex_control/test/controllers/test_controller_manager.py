@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import sys
 import threading
-import time
 
 import pytest
 from waiting import wait_until
@@ -665,6 +664,8 @@ def test_a_switch_that_waits_too_long_is_given_up_and_aborted(recorders):
     while switch.is_alive():
         recorders.manager.apply_switch(recorders.time)
         switch.join(0.01)
+    # it may have been given up just after the last one
+    recorders.manager.apply_switch(recorders.time)
     assert switch.answer is False
     assert recorders.states() == {"a": "aborted"}
     assert recorders.hw.switches[-1] == ([], ["a"])
@@ -700,13 +701,15 @@ def test_four_clients_at_once(recorders):
                 assert manager.unload_controller(name)
                 counts[name] += 1
 
+    def cycle_until(condition, what):
+        def ends():
+            recorders.cycle()
+            return condition()
+
+        wait_until(ends, what, 60.0, period=0.0)
+
     clients = [Call(client, name) for name in names]
-    end = time.monotonic() + 2.0
-    while time.monotonic() < end:
-        recorders.cycle()
+    cycle_until(lambda: min(counts.values()) >= 50, lambda: f"50 rounds of each: {counts}")
     ended.set()
-    while any(each.is_alive() for each in clients):
-        recorders.cycle()
-        assert time.monotonic() < end + 5.0, "a client got stuck"
+    cycle_until(lambda: not any(each.is_alive() for each in clients), "all clients to end")
     assert recorders.states() == {}
-    assert min(counts.values()) >= 3
