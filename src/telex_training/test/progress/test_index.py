@@ -159,6 +159,19 @@ class TestRefreshing:
         assert problem == f"{broken}: KeyError: 'nobody has thought of this'"
         assert [each.operator for each in index.trials()] == ["ann"]
 
+    def test_others_may_write_while_files_are_read(self, index, monkeypatch):
+        record(index.folder)
+
+        def read(path):
+            with sqlite3.connect(index.path, timeout=0.0) as other:
+                other.execute("BEGIN IMMEDIATE")
+            other.close()
+            return read_trial(path)
+
+        monkeypatch.setattr("telex_training.progress.index.read_trial", read)
+        assert index.refresh() == []
+        assert len(index.trials()) == 1
+
     def test_deleted_it_is_made_anew(self, index):
         record(index.folder)
         record(index.folder, "bob")

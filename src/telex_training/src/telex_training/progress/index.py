@@ -139,13 +139,12 @@ class ProgressIndex:
         ProgressIndexError
         """
         with self._open() as base:
-            known = {
-                row[0]: (row[1], row[2])
-                for row in base.execute(
-                    "SELECT file, size, changed_ns FROM files WHERE problem = ''"
-                )
-            }
-            there = self._there()
+            known = _known(base)
+        there = self._there()
+        # Outside a transaction: reading a large archive takes minutes, and others wait for seconds.
+        read = {name: self._read(name) for name in there if known.get(name) != there[name]}
+        with self._open() as base:
+            known = _known(base)
             gone = [
                 (name,)
                 for (name,) in base.execute("SELECT file FROM files")
@@ -154,7 +153,7 @@ class ProgressIndex:
             base.executemany("DELETE FROM files WHERE file = ?", gone)
             for name, state in there.items():
                 if known.get(name) != state:
-                    self._take(base, name, state)
+                    self._take(base, name, state, read.get(name) or self._read(name))
             return [
                 row[0]
                 for row in base.execute(
@@ -210,14 +209,23 @@ class ProgressIndex:
                 found[path.name] = state.st_size, state.st_mtime_ns
         return found
 
-    def _take(self, base: sqlite3.Connection, name: str, state: Tuple[int, int]) -> None:
+    def _read(self, name: str) -> Tuple[Optional[TrialFacts], str]:
+        """Return what a file tells, or why it tells nothing."""
         try:
-            facts: Optional[TrialFacts] = read_trial(self.folder / name)
-            problem = ""
+            return read_trial(self.folder / name), ""
         except RecordingError as error:
-            facts, problem = None, str(error)
+            return None, str(error)
         except Exception as error:  # what one file leads to must not keep out all others
-            facts, problem = None, f"{self.folder / name}: {type(error).__name__}: {error}"
+            return None, f"{self.folder / name}: {type(error).__name__}: {error}"
+
+    def _take(
+        self,
+        base: sqlite3.Connection,
+        name: str,
+        state: Tuple[int, int],
+        read: Tuple[Optional[TrialFacts], str],
+    ) -> None:
+        facts, problem = read
         if facts is not None:
             other = base.execute(
                 "SELECT file FROM trials WHERE trial = ?", (facts.trial,)
@@ -287,6 +295,12 @@ class ProgressIndex:
         for suffix in ("", "-journal"):
             with contextlib.suppress(FileNotFoundError):
                 self.path.with_name(self.path.name + suffix).unlink()
+
+
+def _known(base: sqlite3.Connection) -> Dict[str, Tuple[int, int]]:
+    """Size and time of change (ns) of each recording that is in the index."""
+    rows = base.execute("SELECT file, size, changed_ns FROM files WHERE problem = ''")
+    return {name: (size, changed) for name, size, changed in rows}
 
 
 def _connection(path: Path) -> sqlite3.Connection:
