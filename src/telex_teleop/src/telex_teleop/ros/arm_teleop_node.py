@@ -60,6 +60,7 @@ class ArmTeleopNode(JointTeleopNode):
         self._chain = chain
         self._frames = settings.frames.names()
         self._proximity: Optional[rospy.Subscriber] = None
+        self._switching = threading.Lock()
         self._feels_itself_alone = False
         self._cartesian_status = rospy.Publisher(
             "~cartesian_status", CartesianTeleopStatus, queue_size=1
@@ -262,10 +263,11 @@ class ArmTeleopNode(JointTeleopNode):
 
     def _set_guard(self, request: Any) -> SetBoolResponse:
         wanted = bool(request.data)
-        with self._lock:
-            self._arm.guard.enabled = wanted
-            self._arm.guard.forget()
-        self._listen_to_proximity(wanted)
+        with self._switching:
+            with self._lock:
+                self._arm.guard.enabled = wanted
+                self._arm.guard.forget()
+            self._listen_to_proximity(wanted)
         rospy.loginfo(f"proximity guard {'on' if wanted else 'OFF: nothing keeps the arm off'}")
         return SetBoolResponse(success=True, message="")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import threading
 from typing import Any, Dict, Iterable
 
 import rospy
@@ -51,13 +52,15 @@ class CameraService:
         self._parameters = f"{prefix}cameras/" if namespace else "~"
         self._sets_common = not namespace
         self._streams = {stream.name: stream for stream in streams}
+        self._changing = threading.Lock()
         self._told = rospy.Publisher(f"{prefix}cameras/settings", String, queue_size=1, latch=True)
         self._tell()
         self._service = rospy.Service(f"{prefix}cameras/configure", ConfigureCamera, self._serve)
 
     def _serve(self, request: ConfigureCameraRequest) -> ConfigureCameraResponse:
         try:
-            values = self._configure(request.camera, request.parameters)
+            with self._changing:
+                values = self._configure(request.camera, request.parameters)
         except ConfigError as error:
             rospy.logwarn("cameras/configure: %s", error)
             return ConfigureCameraResponse(False, str(error), "")
