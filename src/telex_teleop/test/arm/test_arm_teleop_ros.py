@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import re
 import subprocess
@@ -17,6 +18,7 @@ from waiting import wait_until
 
 from telex_control.kinematics import Chain, quaternion_of
 from telex_teleop.motion.rigid_motion import advanced, pose_error
+from telex_teleop.motion.teleop_core import NEEDS_NEW_PRESS
 
 pytestmark = [pytest.mark.ros, pytest.mark.waiting]
 
@@ -130,6 +132,20 @@ class ToolOperator:
         assert (status.mode, status.speed_scale) == ("CARTESIAN", 1.0)
         assert not status.message.startswith(("the e-stop", "no joint", "just started"))
 
+    def wait_until_told(self, message):
+        wait_until(
+            lambda: self.status[-1].message == message,
+            lambda: f"arm_teleop to tell {message!r} (its status: {self.status[-1:]})",
+        )
+
+    @contextlib.contextmanager
+    def leading(self, message):
+        """Lead the tool by a twist; gives it once the tool has moved."""
+        start = self.tool
+        with holding(self.twists, message):
+            wait_until(lambda: np.abs(pose_error(self.tool, start)).max() > 1e-3, "motion")
+            yield
+
     def moved(self, act, seconds=0.0):
         """How far the tool moves (m, rad) while something is done, and some time (s) after it."""
         start = self.tool
@@ -230,15 +246,17 @@ class TestTwist:
     def test_e_stop_ends_it_and_latches(self, arm):
         from std_msgs.msg import Bool
 
-        with holding(arm.twists, twist(rate=0.5 * SPEED)):
-            time.sleep(0.4)
+        with arm.leading(twist(rate=0.5 * SPEED)):
             arm.e_stop.publish(Bool(True))
-            assert arm.moved_within(0.2) < 2e-3
+            arm.wait_until_told("the e-stop is active")
+            arm.robot.rest(10 * TICK)
+            assert arm.moved_within(0.2) == 0.0
             arm.e_stop.publish(Bool(False))
+            arm.wait_until_told(NEEDS_NEW_PRESS)
             assert arm.moved_within(0.4) == 0.0
-        time.sleep(0.4)
-        with holding(arm.twists, twist()):
-            assert arm.moved_within(0.4) > 1e-3
+        arm.wait_until_told("")
+        with arm.leading(twist()):
+            pass
 
 
 class TestPose:
