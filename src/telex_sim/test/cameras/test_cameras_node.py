@@ -100,6 +100,16 @@ class Simulator:
         self._thread.join()
 
     @property
+    def stamp(self):
+        """Of the newest poses (ns)."""
+        return self.ticks * POSES_PERIOD
+
+    def go_on(self, seconds):
+        """Wait until so much sim time has passed (s)."""
+        end = self.ticks + seconds * POSES_RATE
+        wait_until(lambda: self.ticks >= end, "the simulator's time")
+
+    @property
     def followed(self):
         return self._poses.get_num_connections() > 0
 
@@ -151,9 +161,13 @@ class Simulator:
     def _run(self):
         from telex_msgs.msg import ScenePoses
 
+        begun, before = time.monotonic(), 0
         while not self._ended.wait(1.0 / POSES_RATE):
+            # As fast as wall time, however late this thread is.
+            passed = int((time.monotonic() - begun) * POSES_RATE)
             if not self.paused:
-                self.ticks += 1
+                self.ticks += passed - before
+            before = passed
             poses = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
             # Optical frames that look along x, and against it.
             poses += [0.0, 0.0, 0.0, -0.5, 0.5, -0.5, 0.5]
@@ -162,8 +176,7 @@ class Simulator:
             if self.broken:
                 poses[7] = float("nan")
             message = ScenePoses(revision=self.revision, poses=poses)
-            nanoseconds = self.ticks * POSES_PERIOD
-            message.header.stamp = self._time(nanoseconds // 10**9, nanoseconds % 10**9)
+            message.header.stamp = self._time(*divmod(self.stamp, 10**9))
             self._poses.publish(message)
 
 
@@ -232,10 +245,23 @@ class Viewer:
         """The last message; the first, if none has come yet."""
         return wait_until(lambda: self.noted[-1:], "a message of a camera", 20.0)[0]
 
-    def newest(self, seconds):
-        """The last message of some time, on a busy machine the first after it."""
-        noted = self.note_for(seconds)
-        return noted[-1] if noted else self.wait()
+    def next(self, count):
+        """What comes from now on, until there is something of so many poses."""
+        self.noted = []
+        return self.later(-1, count)
+
+    def newest(self):
+        """The last message of those that have come now."""
+        return self.next(1)[-1]
+
+    def later(self, stamp, count=1):
+        """What has been noted with later stamps (ns), once that is of so many poses."""
+
+        def noted():
+            return [note for note in self.noted if note.stamp > stamp]
+
+        wait_until(lambda: len(set(stamps(noted()))) >= count, f"messages of {count} poses", 20.0)
+        return noted()
 
 
 class Stage:
@@ -263,6 +289,10 @@ class Stage:
     def said(self):
         """The node's log."""
         return self.log.read_text(errors="replace")
+
+    def wait_for(self, words):
+        """Wait until the node's log has some words."""
+        wait_until(lambda: words in self.said, words, 20.0)
 
     def pictures(self, camera, kind="image_raw/compressed"):
         return Viewer(self._looking, f"{camera}/{kind}", picture_type(kind))
@@ -304,6 +334,11 @@ def camera_topics():
 
 def stamps(pictures):
     return [picture.stamp for picture in pictures]
+
+
+def period(pictures):
+    """Median time between pictures of different poses (s)."""
+    return np.median(np.diff(np.unique(stamps(pictures)))) / 1e9
 
 
 @contextlib.contextmanager
@@ -362,18 +397,18 @@ class TestCameras:
     ):
         infos = stage.infos("front")
         infos.wait()
-        infos.note_for(0.0)
-        pictures = front.note_for(1.2)
-        noted = {info.stamp: info for info in infos.noted}
-        assert 10 <= len(pictures) <= 26
+        pictures = front.next(20)
+        assert 0.045 < period(pictures) < 0.1
         assert all(picture.looks(RED) for picture in pictures)
-        # None comes twice.
         found = stamps(pictures)
-        assert found == sorted(set(found))
+        assert found == sorted(found)
+        # None comes twice, unless there were no newer poses for 0.2 s.
+        taken, times = np.unique(found, return_counts=True)
+        assert (np.diff(taken)[times[:-1] > 1] > 190_000_000).all()
         assert all(stamp % POSES_PERIOD == 0 for stamp in found)
-        # The ends of the two recordings may differ.
-        assert len(set(found) & set(noted)) >= len(found) - 2
-        info = next(iter(noted.values()))
+        # A slow listener may miss one.
+        wait_until(lambda: len(set(found) & set(stamps(infos.noted))) >= len(found) - 2)
+        info = infos.noted[-1]
         assert info.frame == "front_camera_optical_frame"
         assert info.size == SIZE
         assert info.message.K[2] == pytest.approx((SIZE[0] - 1) / 2)
@@ -382,25 +417,19 @@ class TestCameras:
 
     def test_the_other_camera_looks_the_other_way(self, stage):
         viewer = stage.pictures("rear")
-        viewer.wait()
-        seen = viewer.note_for(0.4)
-        assert seen
+        seen = viewer.next(5)
         assert all(picture.looks(GREEN) for picture in seen)
         assert all(picture.frame == "rear_camera_optical_frame" for picture in seen)
 
     def test_raw_pictures_while_somebody_listens(self, stage):
         viewer = stage.pictures("front", "image_raw")
-        viewer.wait()
-        seen = viewer.note_for(0.4)
-        assert seen
+        seen = viewer.next(5)
         assert all(picture.looks(RED) for picture in seen)
 
     @pytest.mark.parametrize(("camera", "color"), [("rear", GREEN), ("front", RED)])
     def test_previews_show_the_same_in_fewer_pixels(self, stage, camera, color):
         viewer = stage.pictures(camera, "preview/compressed")
-        viewer.wait()
-        seen = viewer.note_for(0.4)
-        assert seen
+        seen = viewer.next(5)
         assert all(picture.looks(color) for picture in seen)
         assert all(picture.size == SMALL for picture in seen)
         assert {picture.frame for picture in seen} == {f"{camera}_camera_optical_frame"}
@@ -418,13 +447,13 @@ class TestCameras:
 
         def grain():
             # Of the middle of the box, which has one colour.
-            return front.newest(0.2).pixels[50:70, 70:90].astype(float).std(axis=(0, 1)).max()
+            return front.newest().pixels[50:70, 70:90].astype(float).std(axis=(0, 1)).max()
 
         calm = grain()
         tell(1000.0, 80.0, False)
         wait_until(lambda: grain() > calm + 3.0, "dots in the pictures", 20.0)
         tell(-1.0, 0.0, False)
-        wait_until(lambda: "it is not heeded" in stage.said, "a refusal", 20.0)
+        stage.wait_for("it is not heeded")
         tell(0.0, 90.0, True)
         wait_until(lambda: not front.note_for(1.0), "no pictures any more", 20.0)
         tell(0.0, 0.0, False)
@@ -436,33 +465,38 @@ class TestCameras:
 
         told = stage.commands("sim/malfunctions", Malfunctions)
 
-        def tell(kind="", value=0.0, unpowered=(), group="camera", what="front"):
+        def tell(kind="", value=0.0, unpowered=(), group="camera", what="front", more=()):
             active = [ActiveMalfunction(what=what, group=group, kind=kind, value=value)]
-            told.publish(Malfunctions(active=active * bool(kind), unpowered=list(unpowered)))
+            told.publish(
+                Malfunctions(active=active * bool(kind) + [*more], unpowered=list(unpowered))
+            )
 
         tell("dark", 1.0)
-        wait_until(lambda: front.newest(0.2).middle.max() < 3.0, "dark pictures", 20.0)
+        wait_until(lambda: front.newest().middle.max() < 3.0, "dark pictures", 20.0)
         tell("dark", float("nan"))
-        wait_until(lambda: front.newest(0.2).looks(RED), "what is no number not heeded", 20.0)
-        assert "sim/malfunctions: front: value is nan" in stage.said
+        wait_until(lambda: front.newest().looks(RED), "what is no number not heeded", 20.0)
+        stage.wait_for("sim/malfunctions: front: value is nan")
 
-        tell("frozen")
-        # Whatever was on its way is through.
-        wait_until(lambda: len({bytes(n.message.data) for n in front.note_for(0.5)}) == 1, "frozen")
+        # A frozen picture is as the one before: the rear camera shows that this is heeded.
+        rear = stage.pictures("rear")
+        dark = ActiveMalfunction(what="rear", group="camera", kind="dark", value=1.0)
+        tell("frozen", more=[dark])
+        wait_until(lambda: rear.newest().middle.max() < 3.0, "the rear camera dark", 20.0)
+        front.later(rear.noted[-1].stamp)
         stage.simulator.revision += 1
+        changed = stage.simulator.stamp
         stage.simulator.describe(BLUE)
         small = stage.pictures("front", "preview/compressed")
-        frozen = front.note_for(0.5)
+        frozen = front.later(changed, 5)
         assert all(picture.looks(RED) for picture in frozen)
-        assert len(set(stamps(frozen))) > 1, "the stamps go on"
-        assert small.newest(0.3).looks(RED)
+        assert small.later(changed)[-1].looks(RED)
         tell()
-        wait_until(lambda: front.newest(0.2).looks(BLUE), "live pictures", 20.0)
+        wait_until(lambda: front.newest().looks(BLUE), "live pictures", 20.0)
 
         stage.simulator.describe(BLUE, ambient=0.0)
-        wait_until(lambda: front.newest(0.2).looks(BLUE), "lit by the lamp", 20.0)
+        wait_until(lambda: front.newest().looks(BLUE), "lit by the lamp", 20.0)
         tell("dead", what="head", group="lamp")
-        wait_until(lambda: front.newest(0.2).middle.max() == 0.0, "the dark", 20.0)
+        wait_until(lambda: front.newest().middle.max() == 0.0, "the dark", 20.0)
         tell(unpowered=["drives", "lamps", "cameras"])
         wait_until(lambda: not front.note_for(1.0), "no pictures any more", 20.0)
         tell()
@@ -500,26 +534,32 @@ class TestCameras:
         wait_until(lambda: told, "the factor that it begins with")
         zoom = stage.commands("cameras/front/zoom", Float64)
         nan, inf = float("nan"), float("inf")
-        for value, factor in ((2.5, 2.5), (nan, 2.5), (inf, 2.5), (99.0, 4.0), (-1.0, 1.0)):
+
+        def stays_at(factor):
+            length = pytest.approx(factor * FOCAL)
+            wait_until(lambda: infos.newest().focal_length == length, f"zoom {factor}", 20.0)
+            assert all(info.focal_length == length for info in infos.next(3))
+
+        for value, factor, said in (
+            (2.5, 2.5, ""),
+            (nan, 2.5, "camera front: zoom is nan; 1 to 4 is possible"),
+            (inf, 2.5, "camera front: zoom is inf; 1 to 4 is possible"),
+            (99.0, 4.0, "camera front: zoom is 99; 1 to 4 is possible, 4 is taken"),
+            (-1.0, 1.0, "camera front: zoom is -1; 1 to 4 is possible, 1 is taken"),
+        ):
             zoom.publish(value)
-            time.sleep(0.2)
-            assert infos.newest(0.2).focal_length == pytest.approx(factor * FOCAL)
+            stage.wait_for(said)
+            stays_at(factor)
+        wait_until(lambda: len(told) >= 4, "the last factor")
         assert [each.data for each in told] == [1.0, 2.5, 4.0, 1.0]
         # Who comes later is told as well.
         late = stage.topics.heard("cameras/front/zoom_factor", Float64)
         wait_until(lambda: late, "the factor that it has now")
         assert late[0].data == 1.0
-        for what in (nan, inf):
-            assert f"camera front: zoom is {what}; 1 to 4 is possible" in stage.said
-        assert "camera front: zoom is 99; 1 to 4 is possible, 4 is taken" in stage.said
-        assert "camera front: zoom is -1; 1 to 4 is possible, 1 is taken" in stage.said
 
     def test_depth_is_in_metres(self, stage):
         viewer = stage.pictures("front", "depth")
-        viewer.wait()
-        seen = viewer.note_for(0.6)[-3:]
-        assert seen
-        for depth in seen:
+        for depth in viewer.next(3):
             assert depth.message.encoding == "32FC1"
             assert depth.frame == "front_camera_optical_frame"
             assert depth.pixels[SIZE[1] // 2, SIZE[0] // 2] == pytest.approx(2.75, abs=0.01)
@@ -540,24 +580,29 @@ class TestCameras:
             )
             assert answer.success
             assert "width: 80" in answer.parameters
-            rear.note_for(0.5)
-            infos.note_for(0.0)
-            pictures = rear.note_for(1.0)
-            assert 3 <= len(pictures) <= 7
-            assert pictures[-1].size == (80, 60)
+            wait_until(lambda: rear.newest().size == (80, 60), "smaller pictures", 20.0)
+            pictures = rear.next(6)
+            assert 0.15 < period(pictures) < 0.33
+            assert {picture.size for picture in pictures} == {(80, 60)}
             # One EV less is half the light.
             assert pictures[-1].middle.mean() < 0.85 * brightness
             assert rospy.get_param(f"{NAMESPACE}/cameras/cameras/rear/width") == 80
-            cameras = json.loads(told[-1].data)["cameras"]
-            assert cameras["rear"]["exposure"]["ev"] == -1
-            assert "overview" not in cameras
-            assert infos.wait().size == (80, 60)
-            assert infos.wait().focal_length == pytest.approx(40.0 / EDGE)
-            assert set(camera_topics()) - topics == {"/telex/cameras/rear/depth"}
+
+            def cameras():
+                return json.loads(told[-1].data)["cameras"]
+
+            wait_until(lambda: cameras()["rear"]["exposure"]["ev"] == -1, "the settings")
+            assert "overview" not in cameras()
+            info = infos.later(pictures[0].stamp)[0]
+            assert info.size == (80, 60)
+            assert info.focal_length == pytest.approx(40.0 / EDGE)
+            depth = "/telex/cameras/rear/depth"
+            wait_until(lambda: set(camera_topics()) - topics == {depth}, "depth")
             # Another renderer takes the place of the first.
+            renderers = stage.said.count("rendering with")
             assert stage.configure("", "{shadow_radius: 3}").success
-            rear.note_for(0.3)
-            assert rear.wait().looks(GREEN)
+            wait_until(lambda: stage.said.count("rendering with") > renderers, "another", 20.0)
+            assert rear.next(2)[-1].looks(GREEN)
         finally:
             assert stage.configure("rear", REAR).success
         wait_until(lambda: "/telex/cameras/rear/depth" not in camera_topics(), "no depth")
@@ -597,20 +642,22 @@ class TestCameras:
         # From far ahead it sees the front box, from behind the other one.
         wait_until(lambda: viewer.wait().looks(RED), "the overview ahead")
         sender.publish(OverviewView(mode="fixed", azimuth=np.pi, distance=6.0))
-        after = viewer.newest(0.5)
-        assert after.looks(GREEN)
-        assert after.frame == "overview_camera_optical_frame"
+        wait_until(lambda: viewer.newest().looks(GREEN), "the overview behind")
+        assert viewer.wait().frame == "overview_camera_optical_frame"
         # Where it has gone to is told with the pictures.
+        behind = pytest.approx(-6.0, abs=0.1)
+        wait_until(lambda: poses[-1].pose.position.x == behind, "its place")
         assert poses[-1].header.frame_id == "world"
-        assert poses[-1].pose.position.x == pytest.approx(-6.0, abs=0.1)
-        for refused in (
-            OverviewView(mode="fixed", distance=float("nan")),
-            OverviewView(mode="fly", distance=6.0),
+        for refused, said in (
+            (OverviewView(mode="fixed", distance=float("nan")), "distance is nan; it must be"),
+            (
+                OverviewView(mode="fly", distance=6.0),
+                "mode is 'fly'; follow, orbit, fixed are possible",
+            ),
         ):
             sender.publish(refused)
-            assert viewer.newest(0.5).looks(GREEN)
-        assert "camera overview: distance is nan; it must be" in stage.said
-        assert "camera overview: mode is 'fly'; follow, orbit, fixed are possible" in stage.said
+            stage.wait_for(f"camera overview: {said}")
+            assert all(picture.looks(GREEN) for picture in viewer.next(3))
 
     def test_lamps_are_switched(self, stage, front):
         from std_msgs.msg import Float64
@@ -619,57 +666,79 @@ class TestCameras:
         wait_until(lambda: told, "the level that it begins with")
         level = stage.commands("lamps/head/command", Float64)
         stage.simulator.revision += 1
+        darkened = stage.simulator.stamp
         stage.simulator.describe(RED, ambient=0.0)
-        front.note_for(0.3)
-        starting = front.newest(0.3).middle.max()
-        seen = []
-        for value in (0.0, float("nan"), 1.0, 0.5):
-            level.publish(value)
-            time.sleep(0.2)
-            seen.append(front.newest(0.3).middle.max())
-        off, still_off, full, _ = seen
-        assert off == still_off == 0.0
-        assert 10.0 < starting < full
+
+        def brightness():
+            return front.newest().middle.max()
+
+        starting = front.later(darkened)[-1].middle.max()
+        assert starting > 10.0
+        level.publish(0.0)
+        wait_until(lambda: brightness() == 0.0, "the dark")
+        level.publish(float("nan"))
+        stage.wait_for("lamp head: level is nan; 0 to 1 is possible, it stays at 0")
+        assert all(picture.middle.max() == 0.0 for picture in front.next(3))
+        level.publish(1.0)
+        wait_until(lambda: brightness() > starting, "more light than before")
+        level.publish(0.5)
+        wait_until(lambda: brightness() == starting, "as much light as before")
+        wait_until(lambda: len(told) >= 4, "the last level")
         assert [each.data for each in told] == [0.5, 0.0, 1.0, 0.5]
-        assert "lamp head: level is nan; 0 to 1 is possible, it stays at 0" in stage.said
 
     def test_while_paused_a_picture_now_and_then(self, stage, front):
+        begun = time.monotonic()
+        # The poses that stay are later than that.
+        stage.simulator.go_on(0.1)
         stage.simulator.paused = True
-        front.note_for(0.3)
-        pictures = front.note_for(1.0)
-        assert len(set(stamps(pictures))) == 1
-        assert 2 <= len(pictures) <= 12
+
+        def repeated():
+            return [note for note in front.noted if note.stamp == front.noted[-1].stamp]
+
+        wait_until(lambda: len(repeated()) >= 4, "four pictures of the same poses", 20.0)
+        assert len(repeated()) <= 12.0 * (time.monotonic() - begun)
 
     def test_poses_with_nan_move_nothing(self, stage, front):
         stage.simulator.broken = True
-        front.note_for(0.3)
-        assert front.note_for(0.5) == []
-        assert "poses are left out" in stage.said
+        front.noted = []
+        broken = stage.simulator.stamp
+        stage.wait_for("poses are left out")
+        count = len(front.noted)
+        stage.simulator.go_on(0.5)
+        mended = stage.simulator.stamp
         stage.simulator.broken = False
-        assert front.note_for(0.5)
+        front.later(mended)
+        found = stamps(front.noted)
+        assert not [stamp for stamp in found if broken < stamp <= mended]
+        # One may have been on its way.
+        assert len([stamp for stamp in found[count:] if stamp <= broken]) <= 1
 
     def test_poses_wait_for_their_scene(self, stage, front):
         stage.simulator.revision += 1
-        front.note_for(0.3)
-        assert front.note_for(0.5) == []
+        front.noted = []
+        changed = stage.simulator.stamp
+        stage.simulator.go_on(0.3)
+        count = len(front.noted)
+        stage.simulator.go_on(0.5)
+        found = stamps(front.noted)
+        assert all(stamp <= changed for stamp in found)
+        assert len(found) <= count + 1
         stage.simulator.describe(BLUE)
-        front.note_for(0.3)
-        come = front.note_for(0.5)
-        assert come
-        assert all(picture.looks(BLUE) for picture in come)
+        assert all(picture.looks(BLUE) for picture in front.later(changed, 5))
 
     def test_a_simulator_that_starts_again_is_followed(self, stage, front):
+        now = stage.simulator.stamp
         stage.simulator.ticks += round(60.0 * POSES_RATE)  # later than it will be again
-        front.note_for(0.3)
-        before = front.note_for(0.3)
-        assert before
+        last = front.later(now + 50 * 10**9)[-1].stamp
         stage.simulator.revision, stage.simulator.ticks = 1, 0
         stage.simulator.describe(GREEN)
-        front.note_for(0.3)
-        restarted = front.note_for(0.5)
-        assert restarted
+        wait_until(lambda: front.noted[-1].stamp < last - 50 * 10**9, "pictures of the new one")
+        restarted = front.next(5)
         assert all(picture.looks(GREEN) for picture in restarted)
-        assert max(stamps(restarted)) < min(stamps(before))
+        assert max(stamps(restarted)) < last - 50 * 10**9
+
+
+NOTHING = {"ahead": 0, "back": 0}
 
 
 class Counter:
@@ -693,13 +762,27 @@ class Counter:
 
         self._time.publish(Float64(seconds))
 
-    def within(self, seconds):
-        """How many are drawn in each direction within some time (s), and in which widths."""
-        begin = len(self._rendered)
-        time.sleep(seconds)
+    @property
+    def count(self):
+        return len(self._rendered)
+
+    def since(self, begin):
+        """How many have been drawn in each direction since a count, and in which widths."""
         ways, widths = zip(*self._rendered[begin:]) if self._rendered[begin:] else ((), ())
         counts = {"ahead": ways.count("ahead"), "back": ways.count("back")}
-        return counts, {int(width) for width in widths}
+        return counts, [int(width) for width in widths]
+
+    def within(self, seconds):
+        """How many are drawn in each direction within some time (s)."""
+        begin = self.count
+        time.sleep(seconds)
+        return self.since(begin)[0]
+
+    def until(self, way, count):
+        """Draw so many in a direction, and return what `since` does of that time."""
+        begin = self.count
+        wait_until(lambda: self.since(begin)[0][way] >= count, f"{count} pictures {way}", 20.0)
+        return self.since(begin)
 
 
 class TestCounted:
@@ -714,15 +797,14 @@ class TestCounted:
     @pytest.fixture
     def counter(self, stage):
         counter = Counter(stage)
-        nothing = {"ahead": 0, "back": 0}
-        wait_until(lambda: counter.within(0.3)[0] == nothing, "who looked before to be gone")
+        wait_until(lambda: counter.within(0.3) == NOTHING, "who looked before to be gone")
         yield counter
         counter.take_for_each(0.0)
 
     def test_nothing_is_drawn_for_infos(self, stage, counter):
-        stage.infos("front").wait()
-        counts, _ = counter.within(0.5)
-        assert counts == {"ahead": 0, "back": 0}
+        begin = counter.count
+        stage.infos("front").next(10)
+        assert counter.since(begin)[0] == NOTHING
 
     @pytest.mark.parametrize(
         ("camera", "looks", "not_there"), [("front", "ahead", "back"), ("rear", "back", "ahead")]
@@ -731,34 +813,33 @@ class TestCounted:
         self, stage, counter, camera, looks, not_there
     ):
         stage.pictures(camera).wait()
-        counts, _ = counter.within(0.5)
-        assert counts[looks] > 3
+        counts, _ = counter.until(looks, 6)
         assert counts[not_there] == 0
 
     def test_nothing_larger_is_drawn_for_who_looks_at_previews(self, stage, counter):
         stage.pictures("rear", "preview/compressed").wait()
-        time.sleep(0.2)
-        _, widths = counter.within(0.3)
-        assert widths == {SMALL[0]}
+        _, widths = counter.until("back", 6)
+        assert set(widths) == {SMALL[0]}
 
     def test_previews_cost_nothing_beside_pictures_of_full_size(self, stage, counter):
+        begin, begun = counter.count, time.monotonic()
         preview = stage.pictures("rear", "preview/compressed")
         preview.wait()
-        stage.pictures("rear").wait()
-        time.sleep(0.2)
-        preview.note_for(0.0)
-        counts, widths = counter.within(0.4)
-        assert len(preview.noted) > 1
+        full = stage.pictures("rear")
+        full.wait()
+        counter.until("back", 8)
+        widths = counter.since(begin)[1]
+        passed = time.monotonic() - begun
+        assert len(preview.later(full.noted[0].stamp, 3)) >= 3
         # At their rate of 20 in a second, none is drawn for the previews alone.
-        assert counts["back"] <= 0.4 * 20.0 + 3
-        assert widths == {SIZE[0]}
+        assert len(widths) <= passed * 20.0 + 3
+        assert set(widths[widths.index(SIZE[0]) :]) == {SIZE[0]}
 
     def test_nothing_is_drawn_for_nobody_any_more(self, stage, counter):
         stage.pictures("rear").wait()
         stage.leave()
-        time.sleep(0.3)
-        counts, _ = counter.within(0.5)
-        assert counts == {"ahead": 0, "back": 0}
+        wait_until(lambda: counter.within(0.3) == NOTHING, "nothing to be drawn")
+        assert counter.within(0.5) == NOTHING
 
     def test_when_all_is_late_who_comes_is_served_and_who_goes_no_more(self, stage, counter):
         # Far longer than the period of the cameras: one of them is always late.
@@ -768,9 +849,8 @@ class TestCounted:
             rear = Viewer(topics, "rear/image_raw/compressed", picture_type("compressed"))
             rear.wait()
             stage.leave()
-            time.sleep(0.5)
-            counts, _ = counter.within(0.5)
-        assert counts["back"] > 0
+            wait_until(lambda: counter.until("back", 3)[0]["ahead"] == 0, "nothing ahead")
+            counts, _ = counter.until("back", 4)
         assert counts["ahead"] == 0
 
 
