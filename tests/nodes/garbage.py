@@ -57,6 +57,8 @@ WARM_UP = 30.0
 C library's arenas, of which a process has up to eight a core, each for some of its threads. Each
 keeps room for the largest request that it has seen: in the simulator some 15 MB, once. With two
 arenas it grew by 0.5 MB over 950 calls after the first 200."""
+LONGEST = 120.0
+"""Time (s) after which too few calls and messages are enough."""
 LOADING = 180.0
 """Longest wait (s) for the cameras to have the scene. They make its textures once, which takes them
 some 100 MB in the training hall, and minutes on a busy machine: that is no growth by garbage."""
@@ -135,7 +137,7 @@ def wait_for_pictures(master: rosgraph.Master) -> None:
         )
 
 
-def throw(seconds: float, seed: int = 1) -> Dict[str, Any]:
+def throw(seconds: float, seed: int = 1, least: int = 0) -> Dict[str, Any]:
     """Throw garbage at everything in this namespace.
 
     Parameters
@@ -143,6 +145,8 @@ def throw(seconds: float, seed: int = 1) -> Dict[str, Any]:
     seconds : float
         Wall time.
     seed : int
+    least : int
+        Messages, and calls, for which it goes on longer.
 
     Returns
     -------
@@ -173,13 +177,18 @@ def throw(seconds: float, seed: int = 1) -> Dict[str, Any]:
                 kind = rosservice.get_service_class_by_name(name)
                 proxies.append((rospy.ServiceProxy(name, kind), kind))
     counts = {"messages": 0, "calls": 0}
-    end = time.monotonic() + seconds
+    begun = time.monotonic()
+
+    def goes_on() -> bool:
+        passed = time.monotonic() - begun
+        return passed < seconds or (min(counts.values()) < least and passed < LONGEST)
+
     at = robot.base.pose.position
 
     refusals = (rospy.ServiceException, rospy.ROSException, genpy.MessageException)
 
     def call() -> None:
-        while proxies and time.monotonic() < end:
+        while proxies and goes_on():
             proxy, kind = garbage._random.choice(proxies)
             with contextlib.suppress(*refusals):
                 proxy(garbage.message(kind._request_class))
@@ -189,8 +198,7 @@ def throw(seconds: float, seed: int = 1) -> Dict[str, Any]:
     calling = futures.ThreadPoolExecutor(1).submit(call)
     before: Dict[str, float] = {}
     moved, beyond, factors = 0.0, 0.0, []
-    begun = time.monotonic()
-    while time.monotonic() < end:
+    while goes_on():
         publisher, kind = garbage._random.choice(publishers)
         with contextlib.suppress(genpy.MessageException, rospy.ROSException):
             publisher.publish(garbage.message(kind))
@@ -226,7 +234,7 @@ def throw(seconds: float, seed: int = 1) -> Dict[str, Any]:
 
 class GarbageTest(unittest.TestCase):
     def test_nothing_moves_nothing_ends_and_nothing_grows(self):
-        result = throw(rospy.get_param("~seconds"))
+        result = throw(rospy.get_param("~seconds"), least=21)
         print(f"garbage: {result}")
         self.assertGreater(min(result["messages"], result["calls"]), 20)
         self.assertEqual(result["lost"], [])
