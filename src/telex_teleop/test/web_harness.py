@@ -22,8 +22,8 @@ PACKAGE = Path(__file__).resolve().parents[1]
 SOURCE = PACKAGE / "src"
 
 
-def stop_process(process, number=signal.SIGINT, timeout=5.0):
-    """Stop a process and all of its group; return its exit status."""
+def stop_process(process, number=signal.SIGINT, timeout=30.0):
+    """Stop a process and all of its group; return its exit status, None where it hung."""
     with contextlib.suppress(ProcessLookupError):
         process.send_signal(number)
     try:
@@ -33,7 +33,7 @@ def stop_process(process, number=signal.SIGINT, timeout=5.0):
     finally:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
-        process.wait(5.0)
+        process.wait(timeout)
         for stream in (process.stdin, process.stdout, process.stderr):
             if stream is not None:
                 stream.close()
@@ -107,6 +107,7 @@ class Probe:
     """Speaks with the process of web_probe.py."""
 
     def __init__(self, ros):
+        self._ros = ros
         self._process = ros.start(
             [sys.executable, str(Path(__file__).with_name("web_probe.py"))],
             stdin=subprocess.PIPE,
@@ -143,8 +144,13 @@ class Probe:
         return self._answer()
 
     def subscribe(self, topic, type_name):
+        """Hear a topic from now on: all that is published, if it has publishers already."""
         self.heard[topic] = []
         self.do("subscribe", topic=topic, type=type_name)
+        wait_until(
+            lambda: not self._ros.publishers(topic) or self.do("connected", topic=topic),
+            f"the publisher of {topic} to have answered",
+        )
 
     def publish(self, topic, type_name, message=None, **options):
         self.do("publish", topic=topic, type=type_name, message=message, **options)

@@ -5,6 +5,7 @@ It is a process of its own because rospy can be initialised only once per proces
 Messages are read and written as YAML by genpy, not by the code under test.
 
     {"do": "subscribe", "topic", "type"}    then every message: {"topic", "time", "message"}
+    {"do": "connected", "topic"}            whether a publisher has answered this subscriber
     {"do": "publish", "topic", "type", "message", ["latch", "hex": {field: text}, "rate"]}
     {"do": "subscribers", "topic", "type"}  how many are connected to this probe's publisher
     {"do": "serve", "service", "type", "response", ["delay"]}
@@ -27,6 +28,7 @@ import yaml
 from telex_msgs.msg import FlipperPresetAction, FlipperPresetFeedback, FlipperPresetResult
 
 from telex_control.ros.rospy_fixes.connecting import miss_nothing
+from telex_control.ros.rospy_fixes.connections import has_answer
 
 
 class Probe:
@@ -48,6 +50,9 @@ class Probe:
 
         cls = genpy.message.get_message_class(type)
         self.subscribers[topic] = rospy.Subscriber(topic, cls, heard, tcp_nodelay=True)
+
+    def do_connected(self, topic):
+        return has_answer(self.subscribers[topic])
 
     def do_wait(self):
         pass
