@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import time
 from urllib.parse import urlsplit
 
 import pytest
@@ -43,6 +44,9 @@ window.revive = () => {
 };
 """
 """Lets a page's bridge hear nothing more of it, until its revive() ends that connection."""
+
+PATIENCE = 5.0
+"""Time (s) without any effect after which keys are pressed anew."""
 
 SHIFT = 8
 """Of the keys that are down while a mouse is used."""
@@ -258,6 +262,58 @@ class Page:
     def press(self, key):
         with self.hold(key):
             pass
+
+    def hold_until(self, condition, *keys, anew=lambda: None):
+        """Hold keys until something is seen, as an operator: pressed anew where the page lets go.
+
+        On a busy machine it does, and says so, since it stood still or its commands came too late;
+        what it says twice within a moment counts once, so a press without effect is no other.
+
+        Parameters
+        ----------
+        condition
+            Of the last press only, where `anew` forgets what came before.
+        anew
+            Called between that release and the next press.
+        """
+        with self.held_until(condition, lambda: self.hold(*keys), anew):
+            pass
+
+    @contextlib.contextmanager
+    def held_until(self, condition, hold, anew=lambda: None):
+        """Do so and go on while it is held; `hold` makes what holds it (a context manager)."""
+        with contextlib.ExitStack() as held:
+
+            def press():
+                before = self._count_released()
+                held.enter_context(hold())
+                return before, time.monotonic() + PATIENCE
+
+            released, late = press()
+
+            def seen():
+                nonlocal released, late
+                with contextlib.suppress(LookupError):
+                    if condition():
+                        return True
+                if self._count_released() != released or time.monotonic() > late:
+                    held.close()
+                    anew()
+                    released, late = press()
+                return False
+
+            wait_until(seen, lambda: f"what keys are held for; the log: {self.log()}", 20.0)
+            yield
+
+    def _count_released(self):
+        return sum(count for said, count in self.log() if said.startswith("released: "))
+
+    def log(self):
+        """Return the lines of the log, newest first, and how often each was said."""
+        return self.script(
+            "return [...document.querySelectorAll('#log li')]"
+            ".map(({title, dataset}) => [title, Number(dataset.count)]);"
+        )
 
     def mode(self, mode):
         """Let keys be about something, by the buttons; the arm has to follow by itself."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import json
 import math
@@ -68,8 +69,7 @@ def test_the_tour_is_shown_once_and_goes_on_by_what_is_done(robot, page):
     page.script("localStorage.clear()")
     page.load()
     assert page.text("tour-count") == "1 of 4"
-    with page.hold("w"):
-        wait_until(lambda: page.text("tour-count") == "2 of 4")
+    page.hold_until(lambda: page.text("tour-count") == "2 of 4", "w")
     page.press("r")
     wait_until(lambda: page.text("tour-count") == "3 of 4")
     page.element("#tour-skip").click()
@@ -94,8 +94,7 @@ def test_nothing_moves_before_the_nodes_have_said_how_fast(robot, page):
         if told:
             break
     assert told, page.text("warning")
-    with page.hold("3"):
-        wait_until(lambda: page.text("warning") == "the robot has no flipper preset 3")
+    page.hold_until(lambda: page.text("warning") == "the robot has no flipper preset 3", "3")
     assert all(robot.is_quiet(topic, 0.1) for topic in (DRIVE, ARM, GRIPPER, FLIPPERS, PRESETS))
     assert robot.heard(DRIVE) == robot.heard(ARM) == robot.heard(PRESETS) == []
 
@@ -235,16 +234,25 @@ def test_the_heading_follows_as_often_as_pictures_come(robot, page):
         window.counter = new MutationObserver(() => { headings += 1; });
         counter.observe(heading, {childList: true, characterData: true, subtree: true});
     """)
-    end = time.monotonic() + 2.0
-    for number in itertools.count():
-        yaw = -0.05 * number
-        odometry = {"pose": {"pose": {"orientation": {"z": math.sin(yaw), "w": math.cos(yaw)}}}}
-        robot.probe.publish(ODOM, "nav_msgs/Odometry", odometry)
-        time.sleep(0.04)
-        if time.monotonic() > end:
-            break
-    robot.probe.publish(ODOM, "nav_msgs/Odometry", ODOMETRY, rate=50)
-    assert page.script("counter.disconnect(); return headings") > 25  # at 5 Hz: 10
+    numbers = itertools.count(1)
+
+    def follows():
+        """Whether it changes with most of 50 messages, and clearly more often than at 5 Hz."""
+        page.script("headings = 0")
+        begin = time.monotonic()
+        for number in itertools.islice(numbers, 50):
+            yaw = -0.05 * number
+            odometry = {"pose": {"pose": {"orientation": {"z": math.sin(yaw), "w": math.cos(yaw)}}}}
+            robot.probe.publish(ODOM, "nav_msgs/Odometry", odometry)
+            time.sleep(0.04)
+        return page.script("return headings") > max(25, 7.0 * (time.monotonic() - begin))
+
+    try:
+        # A busy machine publishes seldom, or holds the page up.
+        assert any(follows() for _ in range(5))
+    finally:
+        robot.probe.publish(ODOM, "nav_msgs/Odometry", ODOMETRY, rate=50)
+        page.script("counter.disconnect()")
 
 
 def test_slow_pictures_are_not_blamed_on_the_link(robot, page):
@@ -285,13 +293,14 @@ def test_what_moves_and_what_moves_it(robot, page):
 
     wait_until(lambda: moves() == (NOTHING, NOTHING), timeout=3.0)
     robot.publish_node_status(commanders=["/telex/rosbridge"])
-    with page.hold("w"):
-        wait_until(lambda: "drive ahead" in moves()[0] and moves()[1] == "you (keys)")
-        assert not page.element("#others").is_displayed()
-    with page.hold("q", "r", ",", "PageUp"):
-        wait_until(lambda: {"front left flipper up", "gripper closing", "zoom in"} <= parts())
-    with page.hold("r"):
-        wait_until(lambda: "front flippers up" in parts())
+
+    def drives():
+        return "drive ahead" in moves()[0] and moves()[1] == "you (keys)"
+
+    page.hold_until(lambda: drives() and not page.element("#others").is_displayed(), "w")
+    several = {"front left flipper up", "gripper closing", "zoom in"}
+    page.hold_until(lambda: several <= parts(), "q", "r", ",", "PageUp")
+    page.hold_until(lambda: "front flippers up" in parts(), "r")
     robot.publish_node_status()
     wait_until(lambda: moves() == (NOTHING, NOTHING), timeout=3.0)
     robot.publish_node_status(commanders=["/telex/joy_teleop"])
@@ -313,8 +322,7 @@ def test_what_is_held_is_told_to_the_instructor_at_once(robot, page):
     def held():
         return [json.loads(told["data"])["held"] for _, told in robot.probe.heard[topic]]
 
-    with page.hold("w"):
-        wait_until(lambda: held()[-1:] == [["drive:forward"]])
+    page.hold_until(lambda: held()[-1:] == [["drive:forward"]], "w")
     wait_until(lambda: held()[-1:] == [[]])
 
 
@@ -431,8 +439,7 @@ def test_bars_and_drawing_follow_joints_and_urdf(robot, page):
 def test_drive_mode_leaves_the_arm_alone(robot, page):
     page.press("`")
     assert page.is_in("DRIVE")
-    with page.hold("j", "w", "c"):
-        robot.wait_for(DRIVE, 3)
+    page.hold_until(lambda: len(robot.heard(DRIVE)) >= 3, "j", "w", "c")
     assert robot.is_quiet(ARM, 0.2)
     assert robot.heard(ARM) == []
     page.press("Tab")
@@ -456,11 +463,9 @@ def test_camera_mode_pans_zooms_and_switches_lamps(robot, page):
     assert page.is_in("CAMERA")
     wait_until(lambda: page.text("zoom-value").startswith("1.2"))
     assert page.text("camera-name") == "turret"  # what is moved is seen
-    with page.hold("j"):
-        # Only the turret's camera turns, and arm_teleop has not said how fast it may.
-        wait_until(lambda: "turret_camera_pan_joint" in page.text("warning"))
-    with page.hold("o"):
-        wait_until(lambda: len(robot.heard(zoom)) > 5)
+    # Only the turret's camera turns, and arm_teleop has not said how fast it may.
+    page.hold_until(lambda: "turret_camera_pan_joint" in page.text("warning"), "j")
+    page.hold_until(lambda: len(robot.heard(zoom)) > 5, "o")
     factors = [message["data"] for message in robot.heard(zoom)]
     assert factors == sorted(factors)
     assert 1.2 <= factors[0] < factors[-1] <= 2.4
@@ -487,18 +492,16 @@ def test_keys_are_listed_and_changed_and_stay_so(robot, page):
     wait_until(lambda: "shoulder up" in page.text("keys-note"))
     page.press("/")
     page.load()
-    with page.hold("i"):
-        wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 1.2)
+    page.hold_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 1.2, "i")
     robot.forget()
-    with page.hold("w"):
-        assert robot.wait_for(ARM)[0]["joint_names"] == ["shoulder_joint"]
+    page.hold_until(lambda: robot.heard(ARM), "w")
+    assert robot.heard(ARM)[0]["joint_names"] == ["shoulder_joint"]
     page.press("/")
     wait_until(lambda: page.element('[data-key="drive:forward"] kbd').text == "I")
     page.element("#keys-reset").click()
     page.press("/")
     robot.forget()
-    with page.hold("w"):
-        robot.wait_for(DRIVE)
+    page.hold_until(lambda: robot.heard(DRIVE), "w")
 
 
 def test_the_next_camera_comes_by_a_key(page):
@@ -552,8 +555,7 @@ def test_commands_say_when_they_were_sent(robot, page):
           send.call(this, text);
         };
     """)
-    with page.hold("w"):
-        robot.wait_for(DRIVE, 3)
+    page.hold_until(lambda: len(robot.heard(DRIVE)) >= 3, "w")
     times = page.script("""
         return window.sent.map((text) => JSON.parse(text)).filter(({op}) => op === "publish")
           .map(({sent}) => performance.now() - sent);
@@ -566,8 +568,7 @@ def test_another_who_has_control_lets_this_page_watch_only(ros, robot, page):
     def ask_as_other(name):
         return page.script("return other.ask(arguments[0])", name)
 
-    with page.hold("w"):
-        wait_until(lambda: page.attribute("control", "data-state") == "mine")
+    page.hold_until(lambda: page.attribute("control", "data-state") == "mine", "w")
 
     page.element("#control-button").click()
     wait_until(lambda: page.attribute("control", "data-state") == "free")
@@ -800,11 +801,17 @@ def test_a_finger_on_a_button_drives_until_it_is_lifted(robot, page):
     assert robot.is_quiet(DRIVE)
 
 
+def is_held(page, action):
+    """Tell whether the page shows that an action is held."""
+    return "held" in page.element(f'[data-action="{action}"]').get_attribute("class")
+
+
 def test_a_held_key_drives_50_times_a_second_until_it_is_let_go(robot, page):
-    with page.hold("w"):
-        robot.wait_for(DRIVE, 25)
-        assert "held" in page.element('[data-action="drive:forward"]').get_attribute("class")
-    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, timeout=2.0)
+    def drives():
+        return len(robot.heard(DRIVE)) >= 25 and is_held(page, "drive:forward")
+
+    page.hold_until(drives, "w", anew=robot.forget)
+    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0)
     assert robot.is_quiet(DRIVE)
     commands = robot.heard(DRIVE)
     assert {command["linear"]["x"] for command in commands[:-1]} == {1.2}
@@ -823,9 +830,8 @@ def test_driving(robot, page, keys, linear, angular):
         last = robot.heard(DRIVE)[-1]
         return last["linear"]["x"], last["angular"]["z"]
 
-    with page.hold(*keys):
-        wait_until(lambda: command() == (linear, angular), timeout=2.0)
-    wait_until(lambda: command() == (0.0, 0.0), timeout=2.0)
+    page.hold_until(lambda: command() == (linear, angular), *keys)
+    wait_until(lambda: command() == (0.0, 0.0))
 
 
 @pytest.mark.parametrize(
@@ -845,11 +851,11 @@ def test_driving(robot, page, keys, linear, angular):
     ],
 )
 def test_joints_move_at_their_own_limit_and_stop(robot, page, topic, key, joints, velocity):
-    with page.hold(key):
-        jog = robot.wait_for(topic, 3)[0]
+    page.hold_until(lambda: len(robot.heard(topic)) >= 3, key, anew=robot.forget)
+    jog = robot.heard(topic)[0]
     assert (jog["joint_names"], jog["velocities"]) == (joints, [velocity] * len(joints))
     assert jog["header"]["stamp"]["secs"] > 0
-    wait_until(lambda: robot.heard(topic)[-1]["velocities"] == [0.0] * len(joints), timeout=2.0)
+    wait_until(lambda: robot.heard(topic)[-1]["velocities"] == [0.0] * len(joints))
     assert robot.is_quiet(topic, 0.1)
 
 
@@ -877,26 +883,28 @@ def test_both_keys_of_a_pair_stand_still(robot, page):
 
 def test_one_side_of_the_flippers(robot, page):
     page.mode("DRIVE")
-    with page.hold("q"), page.hold("r"):
-        assert robot.wait_for(FLIPPERS)[0]["joint_names"] == ["front_left_flipper_joint"]
+    page.hold_until(lambda: robot.heard(FLIPPERS), "q", "r")
+    assert robot.heard(FLIPPERS)[0]["joint_names"] == ["front_left_flipper_joint"]
     robot.forget()
     page.element('[data-side="right"]').click()
-    with page.hold("t"):
-        assert robot.wait_for(FLIPPERS)[0]["joint_names"] == ["rear_right_flipper_joint"]
+    page.hold_until(lambda: robot.heard(FLIPPERS), "t")
+    assert robot.heard(FLIPPERS)[0]["joint_names"] == ["rear_right_flipper_joint"]
     page.element('[data-side="both"]').click()
 
 
 def test_a_digit_holds_a_flipper_preset_until_it_is_let_go(robot, page):
-    with page.hold("4"):
-        robot.wait_for(PRESETS, 10)
-        assert "held" in page.element('[data-action="preset:3"]').get_attribute("class")
-    wait_until(lambda: robot.heard(PRESETS)[-1]["preset"] == "", timeout=2.0)
+    def moves():
+        return len(robot.heard(PRESETS)) >= 10 and is_held(page, "preset:3")
+
+    page.hold_until(moves, "4", anew=robot.forget)
+    wait_until(lambda: robot.heard(PRESETS)[-1]["preset"] == "")
     assert robot.is_quiet(PRESETS)
     commands = robot.heard(PRESETS)
     assert {command["preset"] for command in commands[:-1]} == {"climb"}
     assert all(command["joint_names"] == [] for command in commands)
     times = [arrival for arrival, _ in robot.probe.heard[PRESETS][:-1]]
-    assert max(b - a for a, b in zip(times, times[1:])) < 0.28  # what the robot takes for silence
+    period = statistics.median(b - a for a, b in zip(times, times[1:]))
+    assert 0.017 < period < 0.024  # what the robot takes for silence is far longer
     assert robot.heard(FLIPPERS) == []
 
 
@@ -913,8 +921,8 @@ def test_presets_are_buttons_with_the_robots_names(robot, page):
 
 
 def test_a_preset_of_one_side(robot, page):
-    with page.hold("e"), page.hold("1"):
-        names = robot.wait_for(PRESETS)[0]["joint_names"]
+    page.hold_until(lambda: robot.heard(PRESETS), "e", "1")
+    names = robot.heard(PRESETS)[0]["joint_names"]
     assert names == ["front_right_flipper_joint", "rear_right_flipper_joint"]
 
 
@@ -932,12 +940,16 @@ def test_stop_ends_a_preset_that_nobody_holds_here(robot, page):
 
 
 def test_a_button_moves_while_the_pointer_holds_it(robot, page):
-    with page.element('[data-action="turret:left"]').held() as move:
-        robot.wait_for(ARM)
-        # Beside the button it is still held: the pointer belongs to it until it is lifted.
-        move(-300, 0)
-        robot.wait_for(ARM, len(robot.heard(ARM)) + 20)
-    wait_until(lambda: robot.heard(ARM)[-1]["velocities"] == [0.0], timeout=2.0)
+    @contextlib.contextmanager
+    def beside():
+        with page.element('[data-action="turret:left"]').held() as move:
+            # Beside the button it is still held: the pointer belongs to it until it is lifted.
+            move(-300, 0)
+            yield
+
+    with page.held_until(lambda: len(robot.heard(ARM)) > 30, beside, anew=robot.forget):
+        pass
+    wait_until(lambda: robot.heard(ARM)[-1]["velocities"] == [0.0])
     assert robot.is_quiet(ARM)
     held = robot.heard(ARM)[:-1]
     assert {jog["velocities"][0] for jog in held} == {0.6}

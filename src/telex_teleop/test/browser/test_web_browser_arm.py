@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 from pathlib import Path
 
@@ -27,7 +26,7 @@ class Arm:
     """Plays arm_teleop's side of the modes."""
 
     def __init__(self, robot):
-        self.probe = robot.probe
+        self.robot, self.probe = robot, robot.probe
         self.probe.subscribe(TWIST, "geometry_msgs/TwistStamped")
         self.probe.subscribe(POSE, "std_msgs/String")
         answer = {"success": True, "message": ""}
@@ -69,6 +68,11 @@ class Arm:
             ("cartesian_status", "telex_msgs/CartesianTeleopStatus", cartesian),
         ):
             self.probe.publish(f"/telex/arm_teleop/{topic}", kind, message, rate=10)
+
+    def forget(self):
+        """Forget what was heard, once all that was sent has arrived."""
+        wait_until(lambda: all(self.robot.is_quiet(topic, 0.1) for topic in (TWIST, POSE)))
+        self.robot.forget()
 
     def twists(self):
         return [
@@ -148,27 +152,20 @@ def test_keys_of_the_arm_move_the_tool_in_cartesian_mode(arm, page, in_mode, key
     in_mode("CARTESIAN")
     wanted = [0.0] * 6
     wanted[index] = rate
-    for _ in range(3):
-        # A page that the machine has held up lets go of all keys, and wants them pressed anew.
-        with page.hold(key), contextlib.suppress(AssertionError):
-            wait_until(lambda: wanted in arm.twists(), timeout=5.0)
-            break
-    assert wanted in arm.twists()
+    page.hold_until(lambda: wanted in arm.twists(), key)
     wait_until(lambda: arm.twists()[-1] == [0.0] * 6, timeout=10.0)
     assert arm.probe.messages(ARM) == []
 
 
 def test_joint_keys_without_meaning_for_the_tool_do_nothing(arm, page, in_mode):
     in_mode("CARTESIAN")
-    with page.hold("p"), page.hold("o"):
-        wait_until(lambda: len(arm.twists()) > 5, timeout=10.0)
+    page.hold_until(lambda: len(arm.twists()) > 5, "p", "o")
     assert arm.probe.messages(ARM) == []
 
 
 def test_the_same_keys_move_joints_in_joint_mode(arm, page, in_mode):
     in_mode("JOINT")
-    with page.hold("o"):
-        wait_until(lambda: len(arm.probe.messages(ARM)) > 3, timeout=10.0)
+    page.hold_until(lambda: len(arm.probe.messages(ARM)) > 3, "o", anew=arm.forget)
     assert arm.probe.messages(ARM)[0]["joint_names"] == ["telescope_joint"]
     assert arm.twists() == []
 
@@ -178,8 +175,7 @@ def test_frame_is_chosen_by_key_and_by_button(arm, page, in_mode):
     page.element('[data-frame="0"]').click()
     for frame in ("tool_link", "base_link", "world"):
         arm.probe.heard[TWIST].clear()
-        with page.hold("i"):
-            wait_until(lambda: arm.frames(), timeout=10.0)
+        page.hold_until(arm.frames, "i")
         wait_until(lambda: arm.twists()[-1] == [0.0] * 6, timeout=10.0)
         assert set(arm.frames()) == {frame}
         page.press("y")
@@ -200,8 +196,7 @@ def test_mode_is_asked_for_by_key_and_by_button(arm, page, in_mode, mode, other)
 
 def test_change_of_mode_lets_go(arm, page, in_mode):
     in_mode("CARTESIAN")
-    with page.hold("j"):
-        wait_until(lambda: len(arm.twists()) > 3, timeout=10.0)
+    with page.held_until(lambda: len(arm.twists()) > 3, lambda: page.hold("j"), anew=arm.forget):
         arm.report("JOINT")
         wait_until(lambda: arm.twists()[-1] == [0.0] * 6, timeout=10.0)
         wait_until(lambda: is_checked(page, '[data-mode="JOINT"]'), timeout=10.0)
@@ -214,8 +209,7 @@ def test_named_pose_is_asked_for_while_its_key_is_held(arm, page, in_mode, mode)
         return [message["data"] for message in arm.probe.messages(POSE)]
 
     in_mode(mode)
-    with page.hold("c"):
-        wait_until(lambda: len(names()) > 10, timeout=10.0)
+    page.hold_until(lambda: len(names()) > 10, "c", anew=arm.forget)
     wait_until(lambda: names()[-1] == "", timeout=10.0)
     assert set(names()[:-1]) == {"ready"}
 
@@ -238,8 +232,7 @@ def test_two_poses_at_once_stand_still(arm, page, in_mode):
 def test_flipper_presets_have_their_keys_in_both_modes(robot, arm, page, in_mode, mode):
     in_mode(mode)
     robot.forget()
-    with page.hold("4"):
-        wait_until(lambda: robot.heard(PRESETS), timeout=10.0)
+    page.hold_until(lambda: robot.heard(PRESETS), "4")
     wait_until(lambda: robot.heard(PRESETS)[-1]["preset"] == "", timeout=10.0)
     assert {message["preset"] for message in robot.heard(PRESETS)} == {"climb", ""}
     assert arm.twists() == []
