@@ -8,7 +8,9 @@ from types import SimpleNamespace
 
 import pytest
 import rospy
+from waiting import wait_until
 
+from telex_control.command_lines import last_calls
 from telex_control.command_lines.spawner import Spawner, SpawnerError, parse, read_file
 from telex_control.common.yaml_files import load_yaml
 from telex_control.manager.controller_joints import controller_joints, without_joints
@@ -163,6 +165,8 @@ def test_a_list_of_anything_loses_the_joints_that_are_gone():
 class SlowManager:
     """A manager whose answer to a load waits for `answer`."""
 
+    prefix = "controller_manager"
+
     def __init__(self):
         self.asked, self.answer = threading.Event(), threading.Event()
         self.loaded, self.unloaded = [], []
@@ -181,7 +185,8 @@ class SlowManager:
         return True
 
 
-def test_what_is_being_loaded_when_the_spawner_ends_is_unloaded(spawner):
+def test_what_is_being_loaded_when_the_spawner_ends_is_unloaded(spawner, monkeypatch):
+    monkeypatch.setattr(last_calls, "STALL", 30.0)
     ended = spawner()
     ended._client = manager = SlowManager()
     loading = threading.Thread(target=ended.load, args=(["elbow", "slide"],), daemon=True)
@@ -189,8 +194,7 @@ def test_what_is_being_loaded_when_the_spawner_ends_is_unloaded(spawner):
     assert manager.asked.wait(5.0)
     stopping = threading.Thread(target=ended.stop, daemon=True)
     stopping.start()
-    while not ended._ending:
-        pass
+    wait_until(lambda: ended._ending)
     manager.answer.set()
     for each in (loading, stopping):
         each.join(5.0)

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import socket
 import threading
 
 import pytest
 from controller_manager_msgs.msg import ControllerState, HardwareInterfaceResources
 
-from telex_control.command_lines import controller_group, controller_manager, spawner, unspawner
+from telex_control.command_lines import (
+    controller_group,
+    controller_manager,
+    last_calls,
+    spawner,
+    unspawner,
+)
 from telex_control.common.params import ConfigError
 from telex_control.manager.client import STRICT
 
@@ -234,6 +241,11 @@ def test_wrong_files_are_named(tmp_path, text, named):
     assert str(file) in str(caught.value)
 
 
+@pytest.fixture(autouse=True)
+def patient(monkeypatch):
+    monkeypatch.setattr(last_calls, "STALL", 30.0)
+
+
 @pytest.fixture
 def spawned(monkeypatch):
     def make(client):
@@ -287,22 +299,84 @@ def test_a_spawner_that_comes_anew_disturbs_nothing_that_runs(spawned):
     assert client.calls == []
 
 
-def test_the_spawner_does_not_wait_for_a_manager_that_is_gone(spawned, monkeypatch):
-    monkeypatch.setattr(spawner, "_STALL", 0.05)
-    client = FakeManager()
-    tested = spawned(client)
-    tested.load(["a"])
-    ended, answered = threading.Event(), threading.Event()
+class SlowManager(FakeManager):
+    """Answers only when it is told to."""
 
-    def answer_late():
-        ended.wait(30.0)
-        answered.set()
-        return []
+    def __init__(self, **states):
+        super().__init__(**states)
+        self.told = threading.Event()
 
-    client.list_controllers = answer_late
-    tested.stop()
-    assert not answered.is_set()
-    ended.set()
+    def switch(self, *arguments):
+        self.told.wait(30.0)
+        return super().switch(*arguments)
+
+
+@pytest.fixture
+def ending(spawned, monkeypatch):
+    """Make a manager that has stopped answering, and what a spawner and an unspawner do at last."""
+    monkeypatch.setattr(last_calls, "STALL", 0.05)
+    managers = []
+
+    def make():
+        client = SlowManager()
+        other = SlowManager(a="running")
+        for each in (client, other):
+            each.told.set()
+        tested, unspawned = spawned(client), unspawner.Unspawner(other, ["a"])
+        tested.load(["a"])
+        tested.start()
+        unspawned.stop_running()
+        for each in (client, other):
+            each.told.clear()
+        managers.extend([client, other])
+        return [(client, {}, tested.stop), (other, {"a": "running"}, unspawned.restart)]
+
+    yield make
+    for each in managers:
+        each.told.set()
+
+
+@pytest.fixture
+def listener(monkeypatch):
+    """Who takes connections at the address of the manager."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        address = f"rosrpc://127.0.0.1:{server.getsockname()[1]}"
+        monkeypatch.setattr(last_calls, "manager_address", lambda prefix: address)
+        yield server
+
+
+def test_nobody_waits_for_a_manager_that_is_gone(ending, listener):
+    listener.close()
+    for client, wanted, end in ending():
+        end()
+        assert not client.told.is_set()
+        assert client.states != wanted
+
+
+def test_nobody_waits_for_a_manager_that_nobody_knows(ending, monkeypatch):
+    monkeypatch.setattr(last_calls, "manager_address", lambda prefix: None)
+    for client, wanted, end in ending():
+        end()
+        assert client.states != wanted
+
+
+def test_a_manager_that_takes_connections_is_waited_for(ending, listener):
+    for client, wanted, end in ending():
+        ends = threading.Thread(target=end)
+        ends.start()
+        for _ in range(3):
+            listener.accept()[0].close()
+        assert ends.is_alive()
+        client.told.set()
+        ends.join(10.0)
+        assert client.states == wanted
+
+
+def test_one_that_takes_connections_and_never_answers_is_given_up(ending, listener, monkeypatch):
+    monkeypatch.setattr(last_calls, "LONGEST_STALL", 0.3)
+    for client, wanted, end in ending():
+        end()
+        assert client.states != wanted
 
 
 def test_the_unspawner_stops_what_runs_and_starts_it_again():

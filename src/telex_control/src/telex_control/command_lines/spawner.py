@@ -10,10 +10,9 @@ import argparse
 import os
 import threading
 import time
-from typing import Any, Collection, Dict, List, Optional, Tuple
+from typing import Any, Callable, Collection, Dict, List, Optional, Tuple
 from xmlrpc.client import MAXINT, MININT
 
-import rosgraph
 import rosparam  # noqa: F401
 import rospy
 from controller_manager_msgs.msg import ControllerState
@@ -25,12 +24,10 @@ from ..manager.controller_joints import controller_joints, without_joints
 from ..urdf.joints import UrdfError, parse_urdf
 from ..urdf.transmission_parser import driven_joints
 from . import program
+from .last_calls import call_at_the_end, manager_address
 
 _WATCH_PERIOD = 0.5
 """Wall time (s) between two checks whether the manager has been replaced."""
-
-_STALL = 1.0
-"""Wall time (s) without an answer after which a manager counts as gone when the spawner ends."""
 
 
 class SpawnerError(Exception):
@@ -228,7 +225,6 @@ class Spawner:
         self._namespace = namespace.rstrip("/")
         self._client = ControllerManagerClient(namespace)
         self._loaded: List[str] = []
-        self._answers = 0
         # What is being loaded when the spawner is told to end has to be unloaded, too.
         self._asking = threading.Lock()
         self._ending = False
@@ -343,11 +339,7 @@ class Spawner:
 
     def manager_address(self) -> Optional[str]:
         """Where the manager's services are, which differs for every process; None if nowhere."""
-        service = rospy.resolve_name(f"{self._client.prefix}/load_controller")
-        try:
-            return str(rosgraph.Master(rospy.get_name()).lookupService(service))
-        except (OSError, rosgraph.MasterException):
-            return None
+        return manager_address(self._client.prefix)
 
     def wait_for_another_manager(self, address: Optional[str]) -> bool:
         """Wait until the manager's address is another one; False when this node is shut down."""
@@ -435,37 +427,25 @@ class Spawner:
             rospy.logerr("Failed to start controllers: %s", names)
 
     def stop(self) -> None:
-        """Stop and unload what was loaded, in reverse order.
-
-        When everything is shut down together, the manager may die while it is asked; a service
-        call has no timeout, so it is waited for only while answers come.
-        """
+        """Stop and unload what was loaded, in reverse order."""
         self._ending = True
-        worker = threading.Thread(target=self._stop, daemon=True)
-        worker.start()
-        seen = -1
-        while worker.is_alive() and seen != self._answers:
-            seen = self._answers
-            worker.join(_STALL)
+        call_at_the_end(self._client.prefix, self._stop)
 
-    def _stop(self) -> None:
+    def _stop(self, answered: Callable[[], None]) -> None:
         with self._asking:
             names = self._loaded[::-1]
         if not names:
             return
-        try:
-            # Others may have stopped some: a STRICT switch would then stop none.
-            listed = self._client.list_controllers()
-            running = {each.name for each in listed if each.state == "running"}
-            self._answers += 1
-            to_stop = [name for name in names if name in running]
-            if to_stop:
-                self._client.switch([], to_stop)
-            for name in names:
-                self._answers += 1
-                self._client.unload(name)
-        except (rospy.ServiceException, rospy.ROSException):
-            rospy.logdebug("the controller manager went before its spawner")
+        # Others may have stopped some: a STRICT switch would then stop none.
+        listed = self._client.list_controllers()
+        running = {each.name for each in listed if each.state == "running"}
+        answered()
+        to_stop = [name for name in names if name in running]
+        if to_stop:
+            self._client.switch([], to_stop)
+        for name in names:
+            answered()
+            self._client.unload(name)
 
 
 def wait_until_true(topic: str, timeout: Optional[float]) -> None:

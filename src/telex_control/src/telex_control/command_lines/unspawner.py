@@ -5,18 +5,16 @@ from __future__ import annotations
 import argparse
 import threading
 import time
-from typing import Dict, List
+from typing import Callable, Dict, List
 
 import rospy
 
 from ..manager.client import BEST_EFFORT, ControllerManagerClient
 from . import program
+from .last_calls import call_at_the_end
 
 PERIOD = 3.0
 """Wall time (s) between two checks of what runs: sim time may stand still."""
-
-_RESTART_TIMEOUT = 2.0
-"""Wall time (s) that the manager gets to start the controllers again."""
 
 
 class Unspawner:
@@ -44,19 +42,14 @@ class Unspawner:
                 self._stopped.update(dict.fromkeys(to_stop))
 
     def restart(self) -> None:
-        """Start what was stopped; without a manager that answers, give up soon."""
-        worker = threading.Thread(target=self._restart, daemon=True)
-        worker.start()
-        worker.join(_RESTART_TIMEOUT)
+        """Start what was stopped."""
+        call_at_the_end(self._client.prefix, self._restart)
 
-    def _restart(self) -> None:
+    def _restart(self, _answered: Callable[[], None]) -> None:
         with self._lock:
             self._ended = True
-            try:
-                if self._stopped:
-                    self._client.switch(list(self._stopped), [], BEST_EFFORT)
-            except (rospy.ServiceException, rospy.ROSException):
-                rospy.logdebug("the controller manager went before its unspawner")
+            if self._stopped:
+                self._client.switch(list(self._stopped), [], BEST_EFFORT)
 
 
 def parse(arguments: List[str]) -> List[str]:
