@@ -291,7 +291,7 @@ def test_what_moves_and_what_moves_it(robot, page):
     def parts():
         return set(moves()[0].split(", "))
 
-    wait_until(lambda: moves() == (NOTHING, NOTHING), timeout=3.0)
+    wait_until(lambda: moves() == (NOTHING, NOTHING))
     robot.publish_node_status(commanders=["/telex/rosbridge"])
 
     def drives():
@@ -302,7 +302,7 @@ def test_what_moves_and_what_moves_it(robot, page):
     page.hold_until(lambda: several <= parts(), "q", "r", ",", "PageUp")
     page.hold_until(lambda: "front flippers up" in parts(), "r")
     robot.publish_node_status()
-    wait_until(lambda: moves() == (NOTHING, NOTHING), timeout=3.0)
+    wait_until(lambda: moves() == (NOTHING, NOTHING))
     robot.publish_node_status(commanders=["/telex/joy_teleop"])
     wait_until(lambda: page.text("moved-by") == "the robot's gamepad")
     assert page.text("moves") == "base, flippers, arm, gripper"
@@ -310,7 +310,7 @@ def test_what_moves_and_what_moves_it(robot, page):
     robot.publish_node_status(commanders=["/rostopic_12_1600000000000"])
     wait_until(lambda: page.text("moved-by") == "the program rostopic")
     robot.publish_node_status()
-    wait_until(lambda: moves() == (NOTHING, NOTHING), timeout=3.0)
+    wait_until(lambda: moves() == (NOTHING, NOTHING))
     wait_until(lambda: not page.element("#others").is_displayed())
     assert "the robot's gamepad moves the robot" in page.text("log")
 
@@ -485,8 +485,7 @@ def test_camera_mode_pans_zooms_and_switches_lamps(robot, page):
 def test_keys_are_listed_and_changed_and_stay_so(robot, page):
     page.press("/")
     assert page.element("#keys").is_displayed()
-    with page.hold("w"):
-        wait_until(lambda: page.text("warning") == "close the list of keys first")
+    page.hold_until(lambda: page.text("warning") == "close the list of keys first", "w")
     page.element('[data-key="drive:forward"]').click()
     page.press("i")  # which moves the shoulder in JOINT mode
     wait_until(lambda: "shoulder up" in page.text("keys-note"))
@@ -535,7 +534,7 @@ def test_a_stick_drives_by_its_deflection_and_must_come_back_to_rest(robot, page
         lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == pytest.approx(1.2 * 0.35), timeout=5.0
     )
     page.script("window.dispatchEvent(new Event('blur'))")
-    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, timeout=2.0)
+    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0)
     assert robot.is_quiet(DRIVE)
     page.script("pad.axes[1] = 0")
     time.sleep(0.1)
@@ -543,7 +542,7 @@ def test_a_stick_drives_by_its_deflection_and_must_come_back_to_rest(robot, page
     page.script("pad.axes[1] = -1")
     wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == pytest.approx(1.2), timeout=5.0)
     page.script("navigator.getGamepads = () => []; dispatchEvent(new Event('gamepaddisconnected'))")
-    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, timeout=2.0)
+    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0)
 
 
 def test_commands_say_when_they_were_sent(robot, page):
@@ -596,8 +595,7 @@ def test_another_who_has_control_lets_this_page_watch_only(ros, robot, page):
     page.element("#control-button").click()
     wait_until(lambda: page.text("control-text") == "you control")
     page.script("other.close()")
-    with page.hold("w"):
-        robot.wait_for(DRIVE)
+    page.hold_until(lambda: robot.heard(DRIVE), "w")
 
 
 def test_the_stream_viewer_shows_a_stream(page):
@@ -649,8 +647,8 @@ def test_a_page_whose_browser_keeps_nothing_drives_and_stops(robot, page):
     try:
         page.load()
         robot.forget()
-        with page.hold("w"):
-            assert robot.wait_for(DRIVE)[0]["linear"]["x"] == 1.2
+        page.hold_until(lambda: robot.heard(DRIVE), "w")
+        assert robot.heard(DRIVE)[0]["linear"]["x"] == 1.2
         page.press("Escape")
         assert robot.wait_for(ESTOP)[-1] == {"data": True}
     finally:
@@ -684,8 +682,8 @@ def test_a_page_that_is_not_told_the_actions_says_so_and_stops_all_the_same(robo
     page.wait_until_all_is_shown()
     page.errors()
     robot.forget()
-    with page.hold("w"):
-        assert robot.wait_for(DRIVE)[0]["linear"]["x"] == 1.2
+    page.hold_until(lambda: robot.heard(DRIVE), "w")
+    assert robot.heard(DRIVE)[0]["linear"]["x"] == 1.2
 
 
 OTHER_ACTIONS = """
@@ -717,12 +715,12 @@ def test_the_page_of_another_robot_has_its_actions(ros, robot, page, tmp_path, m
         assert (label, buttons) == ("jib", ["W", "▲", "up", "S", "▼", "down"])
         assert page.text("mode-note") == "each joint"
         robot.forget()
-        with page.hold("w"):
-            command = robot.wait_for(ARM)[0]
+        page.hold_until(lambda: robot.heard(ARM), "w")
+        command = robot.heard(ARM)[0]
         assert command["joint_names"] == ["shoulder_joint"]
         assert command["velocities"][0] < 0.0
-        with page.hold("ArrowUp"):
-            assert robot.wait_for(DRIVE)[0]["linear"]["x"] == 1.2
+        page.hold_until(lambda: robot.heard(DRIVE), "ArrowUp")
+        assert robot.heard(DRIVE)[0]["linear"]["x"] == 1.2
         page.element("#help").click()
         always, crane = (" ".join(group.split()) for group in page.texts("#key-groups section"))
         assert always == "Always Esc estop Space stop ↑ tracks ahead"
@@ -874,11 +872,11 @@ def test_a_joint_that_is_let_go_stops_while_another_moves_on(robot, page):
 
 
 def test_both_keys_of_a_pair_stand_still(robot, page):
-    with page.hold("j"):
-        robot.wait_for(ARM, 2)
-        with page.hold("l"):
-            wait_until(lambda: robot.heard(ARM)[-1]["velocities"] == [0.0])
-            assert robot.is_quiet(ARM)
+    with page.held_until(lambda: len(robot.heard(ARM)) >= 2, lambda: page.hold("j")), page.hold(
+        "l"
+    ):
+        wait_until(lambda: robot.heard(ARM)[-1]["velocities"] == [0.0])
+        assert robot.is_quiet(ARM)
 
 
 def test_one_side_of_the_flippers(robot, page):
@@ -916,7 +914,7 @@ def test_presets_are_buttons_with_the_robots_names(robot, page):
     assert page.element('[data-action="preset:0"]').get_attribute("title") == "for flat"
     with page.element('[data-action="preset:5"]').held():
         robot.wait_for(PRESETS)
-    wait_until(lambda: robot.heard(PRESETS)[-1]["preset"] == "", timeout=2.0)
+    wait_until(lambda: robot.heard(PRESETS)[-1]["preset"] == "")
     assert {command["preset"] for command in robot.heard(PRESETS)[:-1]} == {"high"}
 
 
@@ -927,11 +925,11 @@ def test_a_preset_of_one_side(robot, page):
 
 
 def test_two_presets_at_once_stand_still(robot, page):
-    with page.hold("1"):
-        robot.wait_for(PRESETS, 3)
-        with page.hold("2"):
-            wait_until(lambda: robot.heard(PRESETS)[-1]["preset"] == "", timeout=2.0)
-            assert robot.is_quiet(PRESETS)
+    with page.held_until(lambda: len(robot.heard(PRESETS)) >= 3, lambda: page.hold("1")), page.hold(
+        "2"
+    ):
+        wait_until(lambda: robot.heard(PRESETS)[-1]["preset"] == "")
+        assert robot.is_quiet(PRESETS)
 
 
 def test_stop_ends_a_preset_that_nobody_holds_here(robot, page):
@@ -965,10 +963,9 @@ LOSSES = {
 
 @pytest.mark.parametrize("loss", LOSSES)
 def test_losing_the_operator_stops_and_only_a_new_press_moves(robot, page, loss):
-    with page.hold("w"):
-        robot.wait_for(DRIVE, 5)
+    with page.held_until(lambda: len(robot.heard(DRIVE)) >= 5, lambda: page.hold("w")):
         page.script(LOSSES[loss])
-        wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, timeout=2.0)
+        wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0)
         # The key is still down, and the keyboard repeats it.
         page.script(
             "window.dispatchEvent(new KeyboardEvent('keydown', {code: 'KeyW', repeat: true}))"
@@ -976,8 +973,7 @@ def test_losing_the_operator_stops_and_only_a_new_press_moves(robot, page, loss)
         assert robot.is_quiet(DRIVE)
         assert "released:" in page.text("warning")
     robot.forget()
-    with page.hold("w"):
-        assert robot.wait_for(DRIVE)[-1]["linear"]["x"] == 1.2
+    page.hold_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 1.2, "w")
 
 
 def test_a_page_that_is_left_gives_its_connections_up_until_it_is_shown_again(ros, robot, page):
@@ -988,8 +984,7 @@ def test_a_page_that_is_left_gives_its_connections_up_until_it_is_shown_again(ro
 
     wait_until(lambda: len(names()) == 1, timeout=20.0)
     (before,) = names()
-    with page.hold("w"):
-        robot.wait_for(DRIVE, 5)
+    with page.held_until(lambda: len(robot.heard(DRIVE)) >= 5, lambda: page.hold("w")):
         # At once, for a warning vanishes after 3 s.
         warning = page.script(
             "window.dispatchEvent(new Event('pagehide'));"
@@ -1005,8 +1000,7 @@ def test_a_page_that_is_left_gives_its_connections_up_until_it_is_shown_again(ro
     wait_until(lambda: page.attribute("link", "data-state") == "up", timeout=20.0)
     page.wait_until_all_is_shown()
     robot.forget()
-    with page.hold("w"):
-        assert robot.wait_for(DRIVE)[-1]["linear"]["x"] == 1.2
+    page.hold_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 1.2, "w")
 
 
 def test_a_page_that_comes_back_from_the_history_is_connected(robot, page):
@@ -1021,7 +1015,7 @@ def test_another_tab_in_front_stops(ros, robot, page):
     page.down("w")
     robot.wait_for(DRIVE, 5)
     page.browser.show(other)
-    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, timeout=2.0)
+    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0)
     assert robot.is_quiet(DRIVE)
     # Nobody sees the pictures: the cameras need not draw them.
     wait_until(lambda: ros.subscribers(PICTURE) == [], timeout=20.0)
@@ -1032,10 +1026,9 @@ def test_another_tab_in_front_stops(ros, robot, page):
 
 
 def test_losing_the_operator_stops_a_preset(robot, page):
-    with page.hold("6"):
-        robot.wait_for(PRESETS, 3)
+    with page.held_until(lambda: len(robot.heard(PRESETS)) >= 3, lambda: page.hold("6")):
         page.script(LOSSES["blur"])
-        wait_until(lambda: robot.heard(PRESETS)[-1]["preset"] == "", timeout=2.0)
+        wait_until(lambda: robot.heard(PRESETS)[-1]["preset"] == "")
         assert robot.is_quiet(PRESETS)
 
 
@@ -1044,10 +1037,9 @@ def test_keys_with_modifiers_and_space(robot, page):
         event = f"new KeyboardEvent('keydown', {{code: 'KeyW', {modifier}: true}})"
         page.script(f"window.dispatchEvent({event})")
     assert robot.is_quiet(DRIVE, 0.2)
-    with page.hold("w"):
-        robot.wait_for(DRIVE, 3)
+    with page.held_until(lambda: len(robot.heard(DRIVE)) >= 3, lambda: page.hold("w")):
         page.press("Space")
-        wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, timeout=2.0)
+        wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0)
         assert robot.is_quiet(DRIVE)
 
 
@@ -1070,11 +1062,10 @@ def test_speed(robot, page):
 
 
 def test_estop_lets_go_and_holds_until_it_is_released(robot, page):
-    with page.hold("w"):
-        robot.wait_for(DRIVE, 3)
+    with page.held_until(lambda: len(robot.heard(DRIVE)) >= 3, lambda: page.hold("w")):
         page.press("Escape")
         assert robot.wait_for(ESTOP)[-1] == {"data": True}
-        wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, timeout=2.0)
+        wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0)
         robot.publish_sim(e_stop=True)
         wait_until(lambda: page.element("#estop-band").is_displayed())
         robot.forget()
@@ -1115,8 +1106,7 @@ def test_an_e_stop_that_a_dead_network_took_is_sent_again(robot, page):
 
 
 def test_paused_and_silent_simulator(robot, page):
-    with page.hold("w"):
-        robot.wait_for(DRIVE, 3)
+    with page.held_until(lambda: len(robot.heard(DRIVE)) >= 3, lambda: page.hold("w")):
         robot.publish_sim(paused=True)
         wait_until(lambda: page.text("sim-state") == "PAUSED")
         assert page.text("warning") == "released: the simulation is paused"
@@ -1147,8 +1137,7 @@ def test_a_picture_that_stalls_is_not_shown_as_live(robot, page):
 
 def test_a_lost_bridge_releases_is_announced_and_found_again(ros, robot, page):
     page.errors()
-    with page.hold("w"):
-        robot.wait_for(DRIVE, 5)
+    with page.held_until(lambda: len(robot.heard(DRIVE)) >= 5, lambda: page.hold("w")):
         ros.stop(ros.bridge)
         wait_until(lambda: page.element("#link-band").is_displayed())
         assert robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0
@@ -1167,7 +1156,7 @@ def test_a_lost_bridge_releases_is_announced_and_found_again(ros, robot, page):
 
     # A bridge that has only just started may be too late for the first press.
     wait_until(drives, timeout=15.0)
-    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, timeout=2.0)
+    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0)
     # The browser itself reports connections that fail; nothing else may be there.
     others = itertools.filterfalse(lambda text: "WebSocket connection to" in text, page.errors())
     assert list(others) == []
@@ -1177,6 +1166,6 @@ def test_closing_the_page_stops(robot, page):
     page.down("w")
     robot.wait_for(DRIVE, 5)
     page.browser.go("about:blank")
-    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, timeout=2.0)
+    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0)
     assert robot.is_quiet(DRIVE)
     page.up("w")
