@@ -235,10 +235,10 @@ def test_an_exam_whose_station_has_no_key_of_its_own_does_not_begin(new_session,
 def test_a_scene_that_others_have_reset_is_loaded_anew(session, simulator):
     def did(*expected):
         wait_until(lambda: simulator.did == list(expected), f"{expected}", 20.0)
-        wait_until(lambda: not session._restoring, "the robot's start", 20.0)
+        wait_until(lambda: session._judge.resets == simulator.resets, "the repetition", 20.0)
 
     session.load()
-    did("load")
+    wait_until(lambda: session._resets == 1, "the scene", 20.0)
     simulator.status.resets += 1  # another scene, which somebody loads while the trainee reads
     session.start()
     did("load", "load")
@@ -248,6 +248,11 @@ def test_a_scene_that_others_have_reset_is_loaded_anew(session, simulator):
     session.again()
     did("load", "load", "reset", "load")
     assert simulator.resets == 1
+    # What only a reset has done leaves the bookmarks, and the scene with them.
+    session.bookmark()
+    simulator.status.resets += 1
+    session.again()
+    did("load", "load", "reset", "load", "reset")
 
 
 def test_a_robot_that_lies_at_the_start_ends_the_trial(session, simulator):
@@ -458,8 +463,7 @@ def test_a_malfunction_whose_repetition_is_over_does_not_happen(breaking, simula
     failure = Failure("left_belt", "thrown")
     before = simulator.resets
     session.again()
-    wait_until(lambda: simulator.did == ["load", "reset"], "the next repetition", 20.0)
-    wait_until(lambda: not session._restoring, "the next repetition", 20.0)
+    wait_until(lambda: session._judge.resets == simulator.resets > before, "the next", 20.0)
     session._fail(failure, before)
     assert simulator.failed == []
     session._fail(failure, simulator.resets)

@@ -472,11 +472,19 @@ class Session:
         if self._drawn.entries:
             # What was read before must not be right again.
             self._drawn = draw(self.exercise, self._seed)
-        status = self._apparatus.status
-        if status is None or status.resets != self._resets:
-            # Others have reset it since, or it has begun anew: the scene may be another one.
+        if not self._has_scene():
             return self._apparatus.load(self._drawn.scene)
         return self._apparatus.reset(self._drawn.entries)
+
+    def _has_scene(self) -> bool:
+        """Whether the exercise's scene is there still, as far as can be told."""
+        status = self._apparatus.status
+        if status is not None and status.resets == self._resets:
+            return True
+        # Others have reset it, or loaded another one, or the simulator has begun anew. Bookmarks
+        # end with their scene, not with a reset.
+        kept = self._bookmarks.names()
+        return bool(kept) and not set(kept).isdisjoint(self._apparatus.bookmarks())
 
     def _set_line(self) -> None:
         """Set the line that the exercise asks for, once: what an instructor changes later stays."""
