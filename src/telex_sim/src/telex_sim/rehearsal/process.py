@@ -42,8 +42,9 @@ MOST_SECONDS = 2.0
 """Computing time for reading, and again for building and stepping."""
 MOST_WAITING = 15.0
 """Wall time without computing after which a rehearsal is ended, whatever it waits for (s)."""
-MOST_TIME = 120.0
-"""Wall time after which it is ended even where a busy machine lets it compute now and then (s)."""
+MOST_TIME = 50.0
+"""Wall time after which it is ended even where a busy machine lets it compute now and then (s):
+whoever asked waits for 60 s (the bridge) or more."""
 MOST_MEMORY = 1024**3
 """Bytes of memory of its own, what it starts with included."""
 _LOOK = 0.5

@@ -25,7 +25,9 @@ from ..exercises.model import LINK_FIELDS, Failure, LineLink
 from .channels import hear_decoded
 
 _PATIENCE = 20.0
-"""Wall time that a call of the simulator may take (s); a large scene takes seconds."""
+"""Wall time that a call of the simulator may take (s)."""
+_TRYING = 70.0
+"""The same of what the simulator tries first (s), for which it takes 50 s at most."""
 _TOLD = 3.0
 """Wall time in which the simulator's status tells of a reset (s)."""
 
@@ -187,7 +189,7 @@ class Apparatus:
         ApparatusError
         """
         before = self._resets()
-        answer = self._call("sim/load_scene", LoadScene, world=scene)
+        answer = self._call("sim/load_scene", LoadScene, _TRYING, world=scene)
         if not answer.success:
             raise ApparatusError(answer.message)
         return self._reset_told(before)
@@ -210,7 +212,7 @@ class Apparatus:
         for name, entry in entries.items():
             for answer in (
                 self._call("sim/delete", Delete, name=name),
-                self._call("sim/spawn", Spawn, name=name, object=entry, folder=""),
+                self._call("sim/spawn", Spawn, _TRYING, name=name, object=entry, folder=""),
             ):
                 if not answer.success:
                     raise ApparatusError(answer.message)
@@ -268,7 +270,7 @@ class Apparatus:
             assert self._status is not None
             return int(self._status.resets)
 
-    def _call(self, service: str, kind: Any, /, **request: Any) -> Any:
+    def _call(self, service: str, kind: Any, patience: float = _PATIENCE, /, **request: Any) -> Any:
         """Call a service; one that hangs is given up, so that nothing waits for it."""
         answers: list = []
 
@@ -281,10 +283,10 @@ class Apparatus:
 
         thread = threading.Thread(target=call, name=f"call {service}", daemon=True)
         thread.start()
-        thread.join(_PATIENCE)
+        thread.join(patience)
         if not answers:
             raise ApparatusError(
-                f"{rospy.resolve_name(service)} has not answered for {_PATIENCE:g} s"
+                f"{rospy.resolve_name(service)} has not answered for {patience:g} s"
             )
         if isinstance(answers[0], Exception):
             raise ApparatusError(f"{rospy.resolve_name(service)}: {answers[0]}")
