@@ -172,6 +172,26 @@ class TestRefreshing:
         assert index.refresh() == []
         assert len(index.trials()) == 1
 
+    def test_who_is_forgotten_while_files_are_read_does_not_come_back(self, index, monkeypatch):
+        gone = record(index.folder)
+        record(index.folder, "bob")
+
+        def read(path):
+            found = read_trial(path)
+            gone.unlink(missing_ok=True)
+            return found
+
+        monkeypatch.setattr("telex_training.progress.index.read_trial", read)
+        assert index.refresh() == []
+        assert [each.operator for each in index.trials()] == ["bob"]
+
+    def test_a_damaged_file_that_has_gone_is_told_no_more(self, index):
+        damaged = record(index.folder)
+        damaged.write_bytes(b"no recording")
+        assert len(index.refresh()) == 1
+        damaged.unlink()
+        assert index.refresh() == []
+
     def test_deleted_it_is_made_anew(self, index):
         record(index.folder)
         record(index.folder, "bob")

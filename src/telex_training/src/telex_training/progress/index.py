@@ -119,6 +119,7 @@ class ProgressIndex:
         self.folder = folder
         self.path = folder / FILE
         self._lock = threading.Lock()
+        self._refreshing = threading.Lock()
 
     def rebuild(self) -> List[str]:
         """Make the index anew from all files; returns what `refresh` does."""
@@ -138,22 +139,30 @@ class ProgressIndex:
         ------
         ProgressIndexError
         """
+        with self._refreshing:
+            return self._refresh()
+
+    def _refresh(self) -> List[str]:
         with self._open() as base:
             known = _known(base)
-        there = self._there()
         # Outside a transaction: reading a large archive takes minutes, and others wait for seconds.
-        read = {name: self._read(name) for name in there if known.get(name) != there[name]}
+        read = {
+            (name, state): self._read(name)
+            for name, state in self._there().items()
+            if known.get(name) != state
+        }
         with self._open() as base:
-            known = _known(base)
+            # Anew: files may have gone meanwhile, and others may have taken some in.
+            known, there = _known(base), self._there()
             gone = [
                 (name,)
                 for (name,) in base.execute("SELECT file FROM files")
-                if known.get(name) != there.get(name)
+                if name not in there or known.get(name) != there[name]
             ]
             base.executemany("DELETE FROM files WHERE file = ?", gone)
             for name, state in there.items():
                 if known.get(name) != state:
-                    self._take(base, name, state, read.get(name) or self._read(name))
+                    self._take(base, name, state, read.get((name, state)) or self._read(name))
             return [
                 row[0]
                 for row in base.execute(
