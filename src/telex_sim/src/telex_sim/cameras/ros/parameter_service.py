@@ -61,10 +61,10 @@ class CameraService:
         try:
             with self._changing:
                 values = self._configure(request.camera, request.parameters)
+                self._tell()
         except ConfigError as error:
             rospy.logwarn("cameras/configure: %s", error)
             return ConfigureCameraResponse(False, str(error), "")
-        self._tell()
         return ConfigureCameraResponse(True, "", as_yaml(values))
 
     def _tell(self) -> None:

@@ -135,12 +135,11 @@ class ReplayNode:
                         return SeekReplayResponse(message="another recording was opened meanwhile")
                     self._time, self._speed = moment.time, 0.0
                 self._drawing.place(replay, moment)
+                with self._lock:
+                    self._speed = request.speed
         except RecordingError as error:
             self._tell()
             return SeekReplayResponse(message=str(error))
-        with self._lock:
-            if self._replay is replay:
-                self._speed = request.speed
         self._tell()
         self._wake.set()
         return SeekReplayResponse(success=True, time=moment.time)

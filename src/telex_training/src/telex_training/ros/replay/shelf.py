@@ -119,7 +119,7 @@ class Shelf:
                 after = _changed(path)
             replay.notes.append(note)
             known = self._open.get(path)
-            if known is not None and known[0] == before:
+            if known is not None and known[0] == before and known[1].replay is replay:
                 # What has changed is known: it needs not be read again.
                 self._open[path] = (after, known[1])
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import concurrent.futures
+import contextlib
 import functools
 import itertools
 from typing import Any, Callable, Dict, Iterator, List, Optional, Set
@@ -89,11 +90,16 @@ class AdvertisedService:
         try:
             return answer.result(self._timeout)
         except concurrent.futures.TimeoutError:
-            # It waits no more for its answer; one that comes just now is refused.
-            answer.cancel()
+            # There, as all that is done to it: it waits no more.
+            with contextlib.suppress(RuntimeError):  # the loop has ended
+                self._loop.call_soon_threadsafe(self._give_up, answer)
             raise OperationError(
                 f"the client that offers {self.name} did not answer within {self._timeout:g} s"
             ) from None
+
+    def _give_up(self, answer: concurrent.futures.Future[Any]) -> None:
+        if not answer.done():
+            answer.set_exception(OperationError(f"an answer of {self.name} came too late"))
 
     def _ask(self, request: genpy.Message, answer: concurrent.futures.Future[Any]) -> None:
         if self._closed or self._request_codec is None:
@@ -129,12 +135,7 @@ class AdvertisedService:
             No call of this id waits, or the values do not fit the service's response.
         """
         answer = self._pending.pop(call_id, None) if isinstance(call_id, str) else None
-        if (
-            answer is None
-            or answer.done()
-            or not answer.set_running_or_notify_cancel()
-            or self._response_codec is None
-        ):
+        if answer is None or answer.done() or self._response_codec is None:
             raise OperationError(f"no call of {self.name} with this id waits for an answer")
         failed = isinstance(values, str) or (values is None and not succeeded)
         if failed:
