@@ -4,6 +4,7 @@
 import { term } from "./language/term.js";
 
 const RETRY_AFTER = 1000; // ms
+const ANSWER_WITHIN = 10_000; // ms: what a network that was gone took is sent again by TCP after up to a minute
 
 /** @typedef {{name: string, rosbridge: string | null}} Robot */
 /**
@@ -20,7 +21,7 @@ const GIVEN = ["token", "role", "name"];
  */
 async function fetchConfig(asked) {
   const query = new URLSearchParams([...asked].filter(([name]) => name === "role" || name === "robot"));
-  const reply = await fetch(`/config.json?${query}`, { cache: "no-store" });
+  const reply = await fetch(`/config.json?${query}`, { cache: "no-store", signal: AbortSignal.timeout(ANSWER_WITHIN) });
   if (!reply.ok) throw new Error(`the video server says ${reply.status}`);
   return reply.json();
 }

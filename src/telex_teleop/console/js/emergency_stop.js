@@ -43,7 +43,7 @@ export class EmergencyStop {
   /** Call it when the connection is lost. A network that is gone takes messages for seconds before that shows. */
   lost() {
     if (this._isOpen && this._isSent) this._warn();
-    this._isSent = false;
+    this._isSent = this._isReleasing = false;
   }
 
   /** That it is not set may have been said before it was asked for. @param {any} status  telex_msgs/SimStatus */

@@ -187,6 +187,20 @@ test("a release that was not sent keeps no later stop from being confirmed", asy
   assert.deepEqual((await connect()).asked, []);
 });
 
+test("a release that a dead network took keeps no later stop from being confirmed", async () => {
+  await connect();
+  stop.set(true);
+  stop.hear({ e_stop: true });
+  stop.set(false);
+  die();
+  await connect();
+  stop.set(true);
+  stop.hear({ e_stop: true });
+  stop.hear({ e_stop: false }); // released by somebody else
+  die();
+  assert.deepEqual((await connect()).asked, []);
+});
+
 test("an attempt to connect that is not answered is given up, and another one made", async () => {
   await new Promise((resolve) => setImmediate(resolve));
   assert.equal(sockets.length, 1);

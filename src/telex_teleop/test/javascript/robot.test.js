@@ -37,7 +37,7 @@ test("a gripper is where the mean of its joints is", () => {
 });
 
 test("a robot is another one when something else of it moves, not when a camera zooms further", () => {
-  assert.ok(isSameRobot(facts, { ...facts, cameras: { eye: { zoom_max: 4 } } }));
+  assert.ok(isSameRobot(facts, { ...facts, cameras: { eye: { zoom_max: 4 } }, equipment: { pads: {} }, training_aids: {} }));
   assert.ok(!isSameRobot(facts, { ...facts, gripper: null }));
   assert.ok(!isSameRobot(UNKNOWN, facts));
 });
