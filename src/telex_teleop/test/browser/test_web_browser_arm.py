@@ -219,8 +219,7 @@ def test_two_poses_at_once_stand_still(arm, page, in_mode):
         return [message["data"] for message in arm.probe.messages(POSE)]
 
     in_mode("JOINT")
-    with page.hold("c"):
-        wait_until(lambda: "ready" in names(), timeout=10.0)
+    with page.held_until(lambda: "ready" in names(), lambda: page.hold("c")):
         with page.hold("z"):
             wait_until(lambda: names()[-1] == "", timeout=10.0)
         wait_until(lambda: names()[-1] == "ready", timeout=10.0)
