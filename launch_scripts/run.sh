@@ -260,7 +260,8 @@ stop() {
     fi
     sleep 0.1
     passed=$(((${EPOCHREALTIME/[.,]/} - began) / 1000))
-  done
+    # The shell tells of what it sees killed.
+  done 2>/dev/null
   wait 2>/dev/null
   launch_pid=
   printf 'The simulator has ended.\n'
