@@ -117,25 +117,30 @@ def description(joints):
 
 
 def repeat(publisher, message, duration):
-    """Publish at 50 Hz, as a held key does."""
-    with holding(publisher, message):
+    """Publish at 50 Hz, as a held key does; returns when the last message went out (monotonic)."""
+    with holding(publisher, message) as sent:
         time.sleep(duration)
+    return sent[-1]
 
 
 @contextlib.contextmanager
 def holding(publisher, message):
-    """Publish at 50 Hz while something else is done."""
-    ended = threading.Event()
+    """Publish at 50 Hz while something else is done; gives the times when it was (monotonic)."""
+    ended, sent = threading.Event(), []
+
+    def publish():
+        sent.append(time.monotonic())
+        publisher.publish(message)
 
     def run():
-        publisher.publish(message)
+        publish()
         while not ended.wait(0.02):
-            publisher.publish(message)
+            publish()
 
     thread = threading.Thread(target=run)
     thread.start()
     try:
-        yield
+        yield sent
     finally:
         ended.set()
         thread.join()
