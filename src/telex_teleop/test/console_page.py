@@ -106,9 +106,16 @@ class Element:
         return self.ask("element[arguments[0]]", name)
 
     def click(self):
-        """Click with the mouse: on its middle, which nothing may hide."""
-        x, y, hidden = self.ask(MIDDLE)
-        assert not hidden, f"{self._selector} is {hidden}"
+        """Click with the mouse: on its middle, which nothing may hide once the page is laid out."""
+        seen = self.ask(MIDDLE)
+
+        def uncovered():
+            nonlocal seen
+            seen = self.ask(MIDDLE)
+            return not seen[2]
+
+        wait_until(uncovered, lambda: f"to see {self._selector}, which is {seen[2]}", 5.0)
+        x, y, _ = seen
         self._page.mouse("mouseMoved", x, y, buttons=0)
         self._page.mouse("mousePressed", x, y)
         self._page.mouse("mouseReleased", x, y, buttons=0)
