@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import os
 import signal
-import time
+import threading
 from pathlib import Path
 
 from telex_training.operators.experts.brief import Brief
 from telex_training.operators.handling import Hand
 from telex_training.operators.port import NotManagedError
+
+RELEASED = threading.Event()
+"""For which ``wait`` waits, where it is done in the same process."""
 
 
 class StubbornError(Exception):
@@ -30,7 +33,7 @@ def work(job: str) -> str:
     if kind == "raise":
         raise ValueError(rest)
     if kind == "wait":
-        time.sleep(1.0)
+        assert RELEASED.wait(60.0)
         return "late"
     if kind == "stick":
         raise StubbornError("wall", rest)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence
 
 import pytest
-from rehearsal_jobs import work
+from rehearsal_jobs import RELEASED, work
 
 from telex_training.rehearsal import crew
 from telex_training.rehearsal.crew import CrewError, LostError, do_elsewhere, do_here
@@ -122,14 +122,18 @@ class TestElsewhere:
 
     def test_a_scheduler_that_is_lost_is_said(self, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(crew, "software_digest", lambda: SOURCES)
+        RELEASED.clear()
         with small_cluster() as cluster:
 
             def lose(job: str, result: Any, error: Any) -> None:
-                cluster.close()
+                # Not the cluster, which waits for the other job; nor is it to close it again.
+                cluster.sync(cluster.scheduler.close)
+                cluster.shutdown_scheduler = False
 
             address = cluster.scheduler_address
             with pytest.raises(CrewError, match=f"scheduler {address}: the connection was lost"):
                 do_elsewhere(["double a", "wait"], work, address, lose, print)
+            RELEASED.set()
 
     @pytest.mark.parametrize("address", ["", "nonsense", "http://a:1", "tcp://a", "tcp://a:99999"])
     def test_what_is_no_address_is_refused(self, warnings: List[str], address: str) -> None:
