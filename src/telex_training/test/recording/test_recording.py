@@ -169,7 +169,7 @@ from telex_training.recording.writer import RecordingWriter
 writer = RecordingWriter(Path(sys.argv[1]), {})
 for number in range(10**6):
     writer.put(input_entry(number, 20_000_000 * number, {"input": f"{number:0170d}"}), 0)
-    print(number, flush=True)
+    print(number, writer.waiting, flush=True)
     time.sleep(0.002)
 """
 
@@ -182,16 +182,18 @@ class TestBrokenRecordings:
             [sys.executable, "-c", CHILD, str(path)], stdout=subprocess.PIPE, text=True
         )
         for line in child.stdout:
-            if int(line) >= 600:
+            if int(line.split()[0]) >= 600:
                 break
         child.send_signal(signal.SIGKILL)
-        rest = child.stdout.read().split()
+        # The last line may be cut off.
+        *rest, _ = child.stdout.read().split("\n")
         child.wait()
-        last = max([600, *map(int, rest[:-1])])
+        last, waiting = map(int, [line, *rest][-1].split())
         found = repair(path)
         assert found.whole
         assert [entry.number for entry in found.entries] == list(range(len(found.entries)))
-        assert (last - len(found.entries)) * 0.02 <= 2.0
+        # Beyond what a busy machine did not let it write.
+        assert (last - waiting - len(found.entries)) * 0.02 <= 2.0
 
     @pytest.mark.parametrize("share", [0.3, 0.7, 0.99])
     def test_a_file_that_is_cut_off_keeps_all_but_its_last_chunk(self, tmp_path, share):
