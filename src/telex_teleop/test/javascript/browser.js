@@ -39,6 +39,8 @@ export class FakeElement {
     this.tag = tag;
     /** @type {any[]} */
     this.children = [];
+    /** @type {FakeElement | null} */
+    this._parent = null;
     /** @type {Record<string, (event: any) => void>} */
     this._listeners = {};
   }
@@ -56,6 +58,11 @@ export class FakeElement {
   /** @param {any[]} children */
   append(...children) {
     this.children.push(...children);
+    for (const child of children) if (child instanceof FakeElement) child._parent = this;
+  }
+
+  remove() {
+    if (this._parent !== null) this._parent.children = this._parent.children.filter((child) => child !== this);
   }
 
   /** @param {any[]} children */

@@ -9,11 +9,27 @@ import { lastText } from "../../../telex_training/pages/class/cards.js";
 
 /** What stations tell of their trials. @type {any[]} */
 let states = [];
+/** What the stations are called, where not by their places. @type {string[] | null} */
+let names = null;
+/** What the page has sent. @type {any[]} */
+const sent = [];
 /** Have the page ask its server again. */
 let lookAgain = () => {};
 /** @type {Record<string, any>} */
 const elements = {};
 const settle = () => new Promise((resolve) => setImmediate(resolve));
+
+/** @param {string} path */
+function answerTo(path) {
+  if (path.startsWith("api/open")) return { busy: {} };
+  if (!path.startsWith("api/state")) return [];
+  return { stations: states.map((state, index) => ({ name: names?.[index] ?? `s${index}`, phase: "here", since: 0, age: 0, reason: "", state, last: null, picture: null, picture_age: null, order: null })) };
+}
+
+async function look() {
+  lookAgain();
+  await settle();
+}
 
 /** The page, of which the server's answers are this test's. */
 async function load() {
@@ -29,10 +45,10 @@ async function load() {
       createTreeWalker: () => ({ nextNode: () => null }),
       querySelectorAll: () => [],
     },
-    fetch: async (/** @type {string} */ path) => ({
-      ok: true,
-      json: async () => (path.startsWith("api/state") ? { stations: states.map((state, index) => ({ name: `s${index}`, phase: "here", since: 0, age: 0, reason: "", state, last: null, picture: null, picture_age: null, order: null })) } : []),
-    }),
+    fetch: async (/** @type {string} */ path, /** @type {RequestInit} */ { body }) => {
+      if (body !== undefined) sent.push(JSON.parse(String(body)));
+      return { ok: true, json: async () => answerTo(path) };
+    },
     setTimeout: (/** @type {() => void} */ again) => { lookAgain = again; },
   });
   await import("../../../telex_training/pages/class/class.js");
@@ -63,14 +79,38 @@ test("whoever opens the dialog finds nobody chosen, and the names of those who s
   rows[2].trainee.value = "eve";
   rows[2].trainee.fire("input");
   rows[0].chosen.checked = elements["order-all"].checked = true;
-  lookAgain();
-  await settle();
+  await look();
   assert.deepEqual(shown(), [[true, "ann"], [false, "bob"], [true, "eve"]]);
   elements["order-close"].fire("click");
   states = [{ ...RUNNING, operator: "dan" }, { ...RUNNING, holder: "" }, { ...RUNNING, operator: "ida" }];
-  lookAgain();
-  await settle();
+  await look();
   elements["order-open"].fire("click");
   assert.deepEqual(shown(), [[false, "dan"], [false, ""], [false, "ida"]]);
   assert.equal(elements["order-all"].checked, false);
+});
+
+test("what the class does not have any more since its server was started again leaves cards and rows, and is sent no order", async () => {
+  states = [{ ...RUNNING, operator: "ann" }, { ...RUNNING, operator: "bob" }];
+  names = ["station 1", "station 2"];
+  await look();
+  const cards = () => elements.stations.children.map((/** @type {any} */ card) => card.children[0].children[0].textContent);
+  const rows = () => elements["order-rows"].children.map((/** @type {any} */ row) => row.children[1].textContent);
+  assert.deepEqual(cards(), names);
+  elements["order-open"].fire("click");
+  assert.deepEqual(rows(), names);
+  names = ["left", "station 2"];
+  await look();
+  assert.deepEqual(cards(), ["station 2", "left"]);
+  assert.deepEqual(rows(), ["station 2"]);
+  elements["order-close"].fire("click");
+  states = [states[1]];
+  names = ["right"];
+  await look();
+  elements["order-open"].fire("click");
+  assert.deepEqual(rows(), ["right"]);
+  elements["order-all"].checked = true;
+  elements["order-all"].fire("change");
+  elements["order-form"].fire("submit");
+  await settle();
+  assert.deepEqual(sent.map(({ stations }) => stations), [{ right: "bob" }]);
 });

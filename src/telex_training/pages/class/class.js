@@ -77,6 +77,7 @@ async function look() {
     trouble(text("The class's server does not answer: {why}", { why: translated(/** @type {Error} */ (error).message) }));
     return;
   }
+  dropGone(cards);
   for (const station of stations) {
     let card = cards.get(station.name);
     if (card === undefined) {
@@ -88,6 +89,18 @@ async function look() {
   }
   showCounts();
   order.showOutcomes();
+}
+
+/**
+ * Take out what stands for stations that the class does not have any more: its file may name others since its server was started again.
+ * @param {Map<string, {root: HTMLElement}>} shown  By names of stations.
+ */
+function dropGone(shown) {
+  for (const [name, { root }] of shown) {
+    if (stations.some((station) => station.name === name)) continue;
+    root.remove();
+    shown.delete(name);
+  }
 }
 
 function showCounts() {
@@ -108,7 +121,7 @@ class OrderDialog {
     this._dialog = /** @type {HTMLDialogElement} */ (byId("order"));
     /** @type {Exercise[]} */
     this._exercises = [];
-    /** Rows by station. @type {Map<string, {chosen: HTMLInputElement, trainee: HTMLInputElement, outcome: HTMLElement}>} */
+    /** Rows by station. @type {Map<string, {root: HTMLElement, chosen: HTMLInputElement, trainee: HTMLInputElement, outcome: HTMLElement}>} */
     this._rows = new Map();
     /** Stations that refused the last order because of one before it, and why. @type {Record<string, string>} */
     this._busy = {};
@@ -152,6 +165,7 @@ class OrderDialog {
   /** Choose none, and name whoever sits there now: the last opening may have been another day. */
   _fillRows() {
     field("order-all").checked = false;
+    dropGone(this._rows);
     const rows = byId("order-rows");
     for (const { name, state } of stations) {
       let row = this._rows.get(name);
@@ -159,9 +173,11 @@ class OrderDialog {
         const chosen = /** @type {HTMLInputElement} */ (element("input", "", { type: "checkbox", "aria-label": text("Open it on {name}", { name }) }));
         const trainee = /** @type {HTMLInputElement} */ (element("input", "", { maxlength: "40", autocomplete: "off", "aria-label": text("Trainee at {name}", { name }) }));
         trainee.addEventListener("input", () => { chosen.checked = trainee.value.trim() !== ""; });
-        row = { chosen, trainee, outcome: element("td") };
+        const outcome = element("td");
+        const root = element("tr", "", { "data-station": name }, [element("td", "", {}, [chosen]), element("td", name), element("td", "", {}, [trainee]), outcome]);
+        row = { root, chosen, trainee, outcome };
         this._rows.set(name, row);
-        rows.append(element("tr", "", { "data-station": name }, [element("td", "", {}, [chosen]), element("td", name), element("td", "", {}, [trainee]), row.outcome]));
+        rows.append(root);
       }
       row.chosen.checked = false;
       // Who sits there is who did the last trial there, or who has control.
@@ -172,6 +188,7 @@ class OrderDialog {
 
   showOutcomes() {
     if (!this._dialog.open) return;
+    dropGone(this._rows);
     for (const { name, phase, order: given } of stations) {
       const row = this._rows.get(name);
       if (row === undefined) continue;
