@@ -317,6 +317,44 @@ class TestStations:
 
         run(check())
 
+    def test_a_token_that_was_renewed_is_read_from_its_file_again(self, tmp_path):
+        station, file = StandInStation([RUNNING], token="open"), tmp_path / "token"
+
+        def write(token, mode=0o600):
+            file.write_text(token)
+            file.chmod(mode)
+
+        async def renew(browser):
+            await browser.until(here)
+            station._token = "sesame"
+            (gone,) = await browser.until(lambda a: a.phase == GONE)
+            assert f"takes the token in {file} for no instructor's (401)" in gone.reason
+            write("sesame", 0o644)
+            await browser.until(lambda a: "others may read" in a.reason)
+            write("sesame")
+            await browser.until(here)
+            async with browser.http.get(
+                f"{browser.url}/class/station/s1", allow_redirects=False
+            ) as reply:
+                assert reply.headers["Location"].endswith("?role=instructor&token=sesame")
+            # Whatever meets the next one first, an order is carried out once.
+            station._token = "abracadabra"
+            write("abracadabra")
+            content = {"exercise": "gap", "stations": {"s1": "ann"}}
+            assert (await browser.send("open", content))[0] == 202
+            (done,) = await browser.until(lambda a: a.order and a.order["done"])
+            assert done.order["ok"], done.order
+            assert len(station.sent) == 1
+
+        async def check():
+            write("open")
+            async with station.served():
+                made = ClassStation("s1", station.address, str(file), "open")
+                async with served([made]) as browser:
+                    await renew(browser)
+
+        run(check())
+
     def test_pictures_are_fetched_while_a_page_shows_them(self):
         station = StandInStation([RUNNING], picture=b"\xff\xd8picture")
 

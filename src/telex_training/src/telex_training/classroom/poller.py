@@ -34,12 +34,16 @@ class StationPoller:
     """
 
     def __init__(self, station: ClassStation, pictures_wanted: Callable[[], bool]) -> None:
-        self.station = station
         self.watch = StationWatch(station, time.monotonic())
         self._pictures_wanted = pictures_wanted
         self._client = StationClient(station)
         self._main_camera = ""
         self._orders: List[asyncio.Future[None]] = []
+
+    @property
+    def station(self) -> ClassStation:
+        """The station, with the token that it was asked with last."""
+        return self._client.station
 
     async def run(self) -> None:
         """Watch until cancelled."""

@@ -11,14 +11,18 @@ from typing import Any, Mapping, Optional, Tuple
 import aiohttp
 from yarl import URL
 
+from telex_control.common.params import ConfigError
+
+from ..serving import aside
 from .answers import MOST_PICTURE, MOST_STATE, BadAnswerError, json_of
-from .stations_file import ClassStation
+from .stations_file import ClassStation, with_token_of_file
 
 TIMEOUT = 4.0
 """For an answer (s)."""
 _CONNECTIONS = 4
 _WHO = {"role": "instructor", "name": "class"}
 _MOST_REASON = 300
+_NOT_LET_IN = (401, 403)
 _PICTURES = ("image/jpeg", "image/png")
 
 
@@ -34,20 +38,24 @@ class StationError(RuntimeError):
 
 
 class StationClient:
-    """Asks one station. Use it as an asynchronous context manager, on the loop's thread."""
+    """Asks one station. Use it as an asynchronous context manager, on the loop's thread.
+
+    Attributes
+    ----------
+    station : ClassStation
+        With the token that its file held when it was read last: at first, and whenever the station
+        does not take it.
+    """
 
     def __init__(self, station: ClassStation) -> None:
         self.station = station
         self._http: Optional[aiohttp.ClientSession] = None
 
     async def __aenter__(self) -> StationClient:
-        headers = {"Accept-Encoding": "identity"}
-        if self.station.token:
-            headers["Authorization"] = f"Bearer {self.station.token}"
         self._http = aiohttp.ClientSession(
             connector=aiohttp.TCPConnector(limit=_CONNECTIONS),
             cookie_jar=aiohttp.DummyCookieJar(),
-            headers=headers,
+            headers={"Accept-Encoding": "identity"},
             # What unpacks to much more than it seems is never unpacked.
             auto_decompress=False,
         )
@@ -106,13 +114,41 @@ class StationClient:
         most: int,
         timeout: float,
     ) -> Tuple[str, bytes]:
+        station = self.station
+        try:
+            return await self._ask_once(station, method, path, query, content, most, timeout)
+        except StationError as error:
+            if error.status not in _NOT_LET_IN or not station.token_file:
+                raise
+            # It may have another token since the file was read.
+            try:
+                renewed = await aside(with_token_of_file, station)
+            except ConfigError as reason:
+                raise StationError(f"{error}; {reason}", error.status) from None
+            if renewed.token == station.token:
+                raise
+        self.station = renewed
+        return await self._ask_once(renewed, method, path, query, content, most, timeout)
+
+    async def _ask_once(
+        self,
+        station: ClassStation,
+        method: str,
+        path: str,
+        query: Mapping[str, str],
+        content: Optional[Mapping[str, Any]],
+        most: int,
+        timeout: float,
+    ) -> Tuple[str, bytes]:
         assert self._http is not None
-        address = self.station.address
+        address = station.address
+        headers = {"Authorization": f"Bearer {station.token}"} if station.token else {}
         try:
             async with self._http.request(
                 method,
                 URL(address + path).with_query({**_WHO, **query}),
                 json=content,
+                headers=headers,
                 # It would take the token along to wherever it leads.
                 allow_redirects=False,
                 timeout=aiohttp.ClientTimeout(total=timeout),
@@ -132,7 +168,7 @@ class StationClient:
     def _refusal(self, reply: aiohttp.ClientResponse, data: bytes) -> str:
         """Say in a sentence what an answer without an OK means."""
         station, status = self.station, reply.status
-        if status in (401, 403):
+        if status in _NOT_LET_IN:
             given = f"the token in {station.token_file}" if station.token_file else "no token"
             return f"{station.address}: it takes {given} for no instructor's ({status})"
         if 300 <= status < 400:

@@ -132,8 +132,20 @@ def _with_token(station: ClassStation, folder: Path) -> ClassStation:
         )
         return station
     path = os.path.join(folder, os.path.expanduser(station.token_file))
+    return with_token_of_file(replace(station, token_file=path))
+
+
+def with_token_of_file(station: ClassStation) -> ClassStation:
+    """Return a station with what its file of a token holds now.
+
+    Raises
+    ------
+    ConfigError
+        The file is not there, others may read it, or it holds no token.
+    """
+    path = station.token_file
     try:
-        return replace(station, token_file=path, token=read_token(path, "token_file"))
+        return replace(station, token=read_token(path, "token_file"))
     except FileNotFoundError:
         raise ConfigError(
             f"token_file: {path!r} is not there; a copy of the station's file of instructors' "
