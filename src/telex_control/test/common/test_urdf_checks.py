@@ -80,6 +80,14 @@ def test_links_that_are_no_tree_are_refused(text, said):
             "joint 'a_b': <axis xyz=.inf 0 0.>; 3 finite numbers are needed",
         ),
         (
+            robot(link("a"), link("b"), joint("a", "b", '<axis xyz="0 0 0"/>', "continuous")),
+            "joint 'a_b': axis is 0 0 0; a direction is needed",
+        ),
+        (
+            robot(link("a"), link("b"), joint("a", "b", '<axis xyz="0 1e-12 0"/>', "prismatic")),
+            "joint 'a_b': axis is 0 1e-12 0; a direction is needed",
+        ),
+        (
             robot(link("a"), link("b"), joint("a", "b", '<origin xyz="0 2e4 0"/>')),
             "joint 'a_b': <origin xyz> has the value 20000; at most 10000 is possible",
         ),
@@ -144,7 +152,7 @@ def test_what_foreign_robots_have_is_taken():
                 link("nothing", "0", "0 0 0 0 0 0"),
                 link("rod", "1", "0 0 0 1 0 1"),
                 joint("frame", "nothing"),
-                joint("frame", "rod", '<origin xyz="0 0 x"/>'),
+                joint("frame", "rod", '<origin xyz="0 0 x"/><axis xyz="0 0 0"/>'),
             )
         )
     )

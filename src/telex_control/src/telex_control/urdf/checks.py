@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from typing import Any, Dict, List, Optional, Tuple
 
 import numpy as np
 
 from .elements import UrdfError, number, numbers, root_links, xml_name
-from .model import Inertia, Mesh, Pose, Robot, UnknownShape
+from .model import Inertia, Joint, Mesh, Pose, Robot, UnknownShape
 
 _DEEPEST = 200
 """Links one on another; PyBullet takes no more than 128 in all."""
@@ -31,6 +32,8 @@ _SIZES = {
     "mesh": {},
 }
 """What each shape needs, and how many numbers."""
+_SHORTEST_AXIS = 1.0e-9
+"""Length below which an axis tells no direction, as in the kinematics."""
 _KINDS = ("fixed", "revolute", "continuous", "prismatic")
 """Joints that are simulated; of others PyBullet makes what nobody moves."""
 
@@ -136,6 +139,9 @@ def check_bodies(robot: Robot) -> None:
                 f"{owner} has the type '{joint.type}'; simulated are {', '.join(_KINDS)}"
             )
         _check_numbers(owner, joint, "axis", 3)
+        # Published files have axes of 0 0 0 at fixed joints.
+        if joint.type != "fixed":
+            _check_direction(owner, joint)
 
 
 def _check_names(tag: str, names: List[str]) -> None:
@@ -201,6 +207,15 @@ def _check_shape(owner: str, shape: Any) -> None:
                 raise UrdfError(f"{owner}: {key} is {value:g} m; 0 to {_FARTHEST:g} is needed")
     if isinstance(shape, Mesh):
         _check_numbers(owner, shape, "scale", 3)
+
+
+def _check_direction(owner: str, joint: Joint) -> None:
+    if joint.axis is None:
+        return
+    values = numbers(joint, "axis", 3, owner)
+    if math.sqrt(sum(value * value for value in values)) < _SHORTEST_AXIS:
+        said = " ".join(f"{value:g}" for value in values)
+        raise UrdfError(f"{owner}: axis is {said}; a direction is needed")
 
 
 def _check_numbers(owner: str, element: Any, key: str, count: int) -> None:

@@ -5,6 +5,7 @@ Only one thread may use a `World`: PyBullet is not safe with more.
 
 from __future__ import annotations
 
+import math
 import os
 import tempfile
 from pathlib import Path
@@ -16,12 +17,15 @@ import pybullet
 from telex_control.common.geometry.quaternions import Quaternion
 from telex_control.urdf.model import read_xml
 
+from ..robot.urdf.elements import vector
 from ..robot.urdf.frames import Frame, take_out_frames, take_out_wheels
 from ..robot.urdf.masses import complete_masses
 from ..scene.meshes.mesh_files import rewritten
 from .overlaps import neighbours
 
 GRAVITY = 9.81
+_UNIT = 1.0e-9
+"""By how much the length of an axis may miss 1 that is left as it is written."""
 Vector = Tuple[float, float, float]
 
 
@@ -244,6 +248,7 @@ class World:
         """
         client = self.client
         root = read_xml(urdf)
+        _normalise_axes(root)
         frames = {**take_out_wheels(root, wheels), **take_out_frames(root)}
         masses = complete_masses(root, fixed_base)
         if not self._gui:
@@ -316,6 +321,18 @@ class World:
     def step(self) -> None:
         """Advance by one step."""
         pybullet.stepSimulation(physicsClientId=self.client)
+
+
+def _normalise_axes(root: ElementTree.Element) -> None:
+    """Make the joints' axes unit vectors: PyBullet would move a joint by the length of its axis."""
+    for joint in root.findall("joint"):
+        axis = joint.find("axis")
+        if axis is None or joint.get("type") == "fixed":
+            continue
+        values = vector(axis, "xyz", f"joint '{joint.get('name')}'", (1.0, 0.0, 0.0))
+        length = math.sqrt(sum(value * value for value in values))
+        if length and abs(length - 1.0) > _UNIT:
+            axis.set("xyz", " ".join(repr(value / length) for value in values))
 
 
 def _use_local_meshes(
