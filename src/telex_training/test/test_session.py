@@ -14,7 +14,7 @@ import pytest
 import rospy
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
-from telex_msgs.msg import ActiveMalfunction, Malfunctions, SimStatus
+from telex_msgs.msg import ActiveMalfunction, BridgeClient, BridgeClients, Malfunctions, SimStatus
 from telex_msgs.srv import ListExercises, OpenExercise
 from training_truth import LEVEL, Trial, serialized
 from waiting import wait_until
@@ -32,6 +32,7 @@ from telex_training.recording.writer import RecordingError
 from telex_training.ros import session as sessions
 from telex_training.ros import training_node
 from telex_training.ros.apparatus import ApparatusError
+from telex_training.ros.trial import presence
 
 DRILL = """
 title: Drill
@@ -609,42 +610,81 @@ class Watched:
 
     def __init__(self):
         self.ended = []
+        self.others = {}
 
     def abort(self, reason, by, given_up):
         self.ended.append((reason, by, given_up))
 
 
-def test_a_page_that_is_gone_for_long_abandons_the_trial(monkeypatch):
-    now = [100.0]
+@pytest.fixture
+def console(monkeypatch):
+    """Looks who is at the robots of a trial: a time after the look before, with new holders."""
+    now, wall = [100.0], [1000.0]
     monkeypatch.setattr(training_node.rospy, "get_time", lambda: now[0])
+    monkeypatch.setattr(presence, "time", SimpleNamespace(monotonic=lambda: wall[0]))
     node = training_node.TrainingNode.__new__(training_node.TrainingNode)
-    watched = Watched()
-    node._session, node._lock = watched, threading.RLock()
-    node._settings = SimpleNamespace(away=30.0)
-    node._holder, node._had_holder, node._away_since = "ann", False, None
+    node._session, node._lock, node._wanted = Watched(), threading.RLock(), threading.Event()
+    node._settings, node._presence = SimpleNamespace(away=30.0), presence.Presence()
 
-    def look(after, holder, silent=0.0):
+    def look(after, silent=0.0, **holders):
         now[0] += after
-        node._holder, node._heard_of_clients = holder, time.monotonic() - silent
+        wall[0] += 100.0
+        for name, holder in holders.items():
+            robot = "" if name == "telex" else f"/{name}"
+            clients = [BridgeClient(id="7", name=holder)] if holder else []
+            node._presence.hear(robot, BridgeClients(holder="7" * len(clients), clients=clients))
+        wall[0] += silent
         node._look_who_is_there()
-        return watched.ended
+        return node._session.ended
 
-    assert not look(0.0, "ann")
-    assert not look(1.0, "")  # reloaded
-    assert not look(29.0, "")
-    assert not look(0.5, "ann")  # and back
-    assert not look(1.0, "")
-    assert not look(29.9, "")
-    assert look(0.2, "") == [("abandoned", "training", True)]
+    return SimpleNamespace(look=look, node=node, team=node._session.others)
+
+
+def test_a_page_that_is_gone_for_long_abandons_the_trial(console):
+    look = console.look
+    assert not look(0.0, telex="ann")
+    assert not look(1.0, telex="")  # reloaded
+    assert not look(29.0, telex="")
+    assert not look(0.5, telex="ann")  # and back
+    assert not look(1.0, telex="")
+    assert not look(29.9, telex="")
+    assert look(0.2, telex="") == [("abandoned", "training", True)]
     # That the bridge has ended is nobody's giving up.
-    assert not look(1.0, "ann", silent=10.0)[1:]
-    assert look(30.1, "", silent=40.0)[1:] == [("abandoned", "training", False)]
+    assert not look(1.0, silent=10.0, telex="ann")[1:]
+    assert look(30.1, silent=40.0, telex="")[1:] == [("abandoned", "training", False)]
+
+
+def test_a_team_has_left_once_nobody_has_any_of_its_robots(console):
+    look = console.look
+    console.team["second"] = "/telex_b"
+    assert not look(0.0, telex="ann", telex_b="bob")
+    assert not look(1.0, telex="", telex_b="bob")
+    assert not look(40.0, telex="", telex_b="bob")
+    assert not look(1.0, telex="", telex_b="")
+    # Whoever is at a robot that is not in the team does not count.
+    assert look(30.1, telex="", telex_b="", telex_c="cid") == [("abandoned", "training", True)]
+
+
+def test_a_team_of_which_only_the_second_was_ever_there_leaves_as_well(console):
+    look = console.look
+    console.team["second"] = "/telex_b"
+    assert not look(0.0, telex="", telex_b="bob")
+    console.node._somebody_is_there()
+    assert not look(1.0, telex="", telex_b="")
+    assert look(30.1, telex="", telex_b="") == [("abandoned", "training", True)]
+
+
+def test_a_trial_of_one_robot_is_left_whoever_is_at_another(console):
+    look = console.look
+    assert not look(0.0, telex="ann", telex_b="bob")
+    assert not look(1.0, telex="", telex_b="bob")
+    assert look(30.1, telex="", telex_b="bob") == [("abandoned", "training", True)]
 
 
 def test_what_an_instructor_calls_off_is_not_given_up(station, session):
     node = station()
     node._session, node._lock, node._wanted = session, threading.RLock(), threading.Event()
-    node._holder = "ann"
+    node._presence = presence.Presence()
     session.start()
     wait(session, "waiting")
     with mock.patch.object(session, "_put") as put:

@@ -98,7 +98,7 @@ class Session:
         others: Optional[Mapping[str, str]] = None,
     ) -> None:
         self.exercise = exercise
-        self._others = others or {}
+        self.others = others or {}
         self.mode = mode
         self.operator = operator
         self.path: Optional[Path] = None
@@ -207,10 +207,10 @@ class Session:
         )
         self._put({"input": "start"})
         odometry = [ODOMETRY] if self.exercise.survey is not None else []
-        self._channels = Channels(self._hear, [*self._recorded, *odometry], self._others)
+        self._channels = Channels(self._hear, [*self._recorded, *odometry], self.others)
         self._watches = [
             ConfigurationWatch(self._reconfigured, namespace=namespace)
-            for namespace in ("", *(f"{each}/" for each in self._others.values()))
+            for namespace in ("", *(f"{each}/" for each in self.others.values()))
         ]
         self._prepare()
 
@@ -489,7 +489,7 @@ class Session:
     def _set_line(self) -> None:
         """Set the line that the exercise asks for, once: what an instructor changes later stays."""
         if self.exercise.link is not None and not self._has_line:
-            self._apparatus.set_line(self.exercise.link, self._others.values())
+            self._apparatus.set_line(self.exercise.link, self.others.values())
             self._has_line = True
 
     def _require_upright(self) -> None:
@@ -552,7 +552,7 @@ class Session:
                 return  # that repetition is over
             self._failures.append(failure)
             try:
-                self._apparatus.fail(failure, robot=self._others.get(failure.robot, ""))
+                self._apparatus.fail(failure, robot=self.others.get(failure.robot, ""))
             except ApparatusError as error:
                 rospy.logerr("training: %s %s does not fail: %s", failure.what, failure.kind, error)
                 self._put({"input": "outside", "what": "a malfunction that could not be made"})
@@ -565,7 +565,7 @@ class Session:
                 # Most have ended already: that is no mistake.
                 with contextlib.suppress(ApparatusError):
                     failure = self._failures.pop()
-                    self._apparatus.fail(failure, False, self._others.get(failure.robot, ""))
+                    self._apparatus.fail(failure, False, self.others.get(failure.robot, ""))
 
     def _set_quietly(self, wanted: Wanted) -> None:
         try:

@@ -8,6 +8,7 @@ import os
 import sys
 import threading
 import time
+from functools import partial
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
@@ -60,13 +61,11 @@ from .robot_files import about_robot, software_version
 from .session import Session, SessionError
 from .settings import TrainingSettings
 from .texts import TraineeTexts
+from .trial.presence import Presence
 
 _LONGEST_NAME = 40  # as of clients of the bridge and the video server
 _MOST_TEXT = 2000
 _DAY = 86400.0
-_SILENT = 5.0
-"""Wall time without a word of the bridge, which speaks every second, after which it is gone (s)."""
-
 
 Fields = Dict[str, Any]
 """Of a service's answer, but that it was a success."""
@@ -84,12 +83,9 @@ class TrainingNode:
         self._lock = threading.RLock()
         self._offers: Dict[Path, Tuple[int, Dict[str, Any]]] = {}
         self._session: Optional[Session] = None
-        self._holder = self._holder_name = ""
+        self._presence = Presence()
         self._asked_for_help: Optional[float] = None
         self._telemetry = ""
-        self._heard_of_clients = 0.0
-        self._had_holder = False
-        self._away_since: Optional[float] = None
         self._wanted = threading.Event()
         self._robots = [f"/{name}" for name in settings.others]
         prefixes = ["", *(f"{each}/" for each in self._robots)]
@@ -101,7 +97,14 @@ class TrainingNode:
         self._sheet = rospy.Publisher("training/sheet", TrainingSheet, queue_size=4, latch=True)
         self._exam = ExamList(settings.bridge, self._on_list_lifted, others=self._robots)
         self._apparatus = Apparatus(self._on_status, self._robots)
-        self._clients = hear_decoded("bridge/clients", BridgeClients, self._on_clients)
+        self._clients = [
+            hear_decoded(
+                f"{robot}/bridge/clients" if robot else "bridge/clients",
+                BridgeClients,
+                partial(self._presence.hear, robot),
+            )
+            for robot in ("", *self._robots)
+        ]
         self._console = hear_decoded(TELEMETRY, String, self._on_telemetry)
         class_pages = ClassPages(self._tell_class, self._open_for_class, self._help)
         self.pages = TrainingPages(
@@ -109,7 +112,7 @@ class TrainingNode:
         )
         self.pages.briefs.opened = self._opened
         self.pages.briefs.texts = self._own_texts
-        self._texts = TraineeTexts(self._note_said, lambda: self._holder_name)
+        self._texts = TraineeTexts(self._note_said, self._presence.name)
         acts: Dict[str, Tuple[Any, Act]] = {
             "training/open": (OpenExercise, self._on_open),
             "training/start": (Trigger, lambda _: self._trigger(self._start)),
@@ -322,8 +325,7 @@ class TrainingNode:
         self._somebody_is_there()
 
     def _somebody_is_there(self) -> None:
-        self._away_since = None
-        self._had_holder = bool(self._holder)
+        self._presence.stay(self._trials_robots())
         self._wanted.set()
 
     def _start(self, session: Session) -> None:
@@ -463,35 +465,26 @@ class TrainingNode:
         if session is not None:
             session.hear_status(status)
 
-    def _on_clients(self, message: BridgeClients) -> None:
-        self._holder, self._heard_of_clients = message.holder, time.monotonic()
-
-        names = (each.name for each in message.clients if each.id == message.holder)
-        self._holder_name = next(names, "")
-
     def _on_telemetry(self, message: String) -> None:
         self._telemetry = message.data
 
     def _look_who_is_there(self) -> None:
-        """End a trial whose operator has been gone for long: his page was closed, or lost."""
-        session = self._session
-        if session is None or not session.begun or not self._settings.away:
-            self._away_since = None
+        """End a trial whose operators have been gone for long: their pages were closed, or lost."""
+        session, away = self._session, self._settings.away
+        if session is None or not session.begun or not away:
+            self._presence.rest()
             return
-        now = rospy.get_time()
-        silent = time.monotonic() - self._heard_of_clients > _SILENT
-        if silent:
-            self._holder = ""  # the bridge itself is gone
-        self._had_holder = self._had_holder or bool(self._holder)
-        if self._holder or not self._had_holder:
-            self._away_since = None
-            return
-        if self._away_since is None:
-            self._away_since = now
-        elif now - self._away_since > self._settings.away:
-            self._away_since = None
+        robots = self._trials_robots()
+        if self._presence.left(robots, rospy.get_time(), away):
+            # That a bridge has ended is nobody's giving up.
+            given_up = not self._presence.silent(robots)
             with contextlib.suppress(SessionError), self._lock:
-                session.abort("abandoned", "training", given_up=not silent)
+                session.abort("abandoned", "training", given_up=given_up)
+
+    def _trials_robots(self) -> List[str]:
+        """Namespaces of the robots of what is open; that of the first is empty."""
+        session = self._session
+        return ["", *([] if session is None else session.others.values())]
 
     def _tell(self, trial: str, event: JudgeEvent) -> None:
         message = TrainingEvent(
@@ -535,7 +528,7 @@ class TrainingNode:
         return {
             **state,
             "help": None if asked is None else time.monotonic() - asked,
-            "holder": self._holder_name if self._holder else "",
+            "holder": self._presence.name(),
             "view": view_of(self._telemetry),
         }
 
