@@ -10,12 +10,13 @@ from pathlib import Path
 from types import SimpleNamespace
 from unittest import mock
 
+import genpy
 import pytest
 import rospy
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 from telex_msgs.msg import ActiveMalfunction, BridgeClient, BridgeClients, Malfunctions, SimStatus
-from telex_msgs.srv import ListExercises, OpenExercise
+from telex_msgs.srv import OpenExercise
 from training_truth import LEVEL, Trial, serialized
 from waiting import wait_until
 
@@ -750,23 +751,75 @@ def test_what_is_opened_knows_nothing_of_who_was_there_before(opening, session):
     assert session._left
 
 
+def at_robot(node, name, kind, robot="/telex_b"):
+    """What a service answers at a further robot, or "done" where the request is passed on."""
+    service = node.for_team(kind, lambda _: "done", f"training/{name}", robot)
+
+    def ask(**request):
+        answer = service(SimpleNamespace(**request))
+        return answer if answer == "done" else (answer.success, answer.message)
+
+    return ask
+
+
+def what_is_open(title, *team, phase="ready"):
+    others = {f"robot {i}": robot for i, robot in enumerate(team)}
+    exercise = SimpleNamespace(robots=tuple(others), title=title)
+    return SimpleNamespace(exercise=exercise, others=others, phase=phase, operator="ann")
+
+
 def test_a_teams_pages_show_its_trial_and_others_do_not(station):
     node = station("/telex_b")
-    asked = []
-    again = node.for_team(Trigger, lambda request: asked.append(request), "training/again")
-    listing = node.for_team(ListExercises, lambda request: asked.append(request), "training/list")
-    node._session = SimpleNamespace(exercise=SimpleNamespace(robots=(), title="Slalom"))
-    answer = again("one")
-    assert (answer.success, answer.message) == (
+    again = at_robot(node, "again", Trigger)
+    node._session = what_is_open("Slalom")
+    assert again() == (False, "Slalom is an exercise for one robot, the first one's")
+    node._session = what_is_open("Beam for two", "/telex_b")
+    assert again() == "done"
+    node._session = None
+    assert again() == "done"
+
+
+def test_who_is_not_in_the_team_can_neither_end_its_trial_nor_open_its_exercise(station):
+    node = station("/telex_b", "/telex_c")
+    node._session = what_is_open("Beam for two", "/telex_b", phase="running")
+    refused = (False, "Beam for two is an exercise for the station's first 2 robots")
+    assert at_robot(node, "abort", Trigger)() == "done"
+    assert at_robot(node, "abort", Trigger, "/telex_c")() == refused
+    node._session = None
+    asked = {"exercise": "beam", "setting": ""}
+    assert at_robot(node, "open", OpenExercise)(**asked) == "done"
+    assert at_robot(node, "open", OpenExercise, "/telex_c")(**asked) == refused
+
+
+def test_the_state_of_a_trial_is_told_to_its_team_alone(station, session, monkeypatch):
+    monkeypatch.setattr(training_node.rospy, "get_rostime", lambda: genpy.Time(7))
+    node = station("/telex_b", "/telex_c")
+    node._session, node._asked_for_help = session, None
+    session.others = {"second": "/telex_b"}
+    node._state, *node._other_states = (mock.Mock() for _ in range(3))
+    node._publish_state()
+    told = [each.publish.call_args.args[0] for each in (node._state, *node._other_states)]
+    assert [(each.phase, each.title) for each in told] == [
+        ("ready", "Drill"),
+        ("ready", "Drill"),
+        ("idle", ""),
+    ]
+
+
+def test_what_is_open_at_the_first_robot_is_thrown_out_there_alone(station):
+    node = station("/telex_b")
+    node._session = None
+    opening = at_robot(node, "open", OpenExercise)
+    assert opening(exercise="slalom", setting="") == (
         False,
         "Slalom is an exercise for one robot, the first one's",
     )
-    listing("two")
-    opening = node.for_team(OpenExercise, lambda request: asked.append(request), "training/open")
-    assert not opening(SimpleNamespace(exercise="slalom")).success
-    assert "nonsense" in opening(SimpleNamespace(exercise="nonsense")).message
-    node._session.exercise.robots = ("second",)
-    again("three")
-    node._session = None
-    again("four")
-    assert asked == ["two", "three", "four"]
+    assert "nonsense" in opening(exercise="nonsense", setting="")[1]
+    node._session = what_is_open("Slalom")
+    success, message = opening(exercise="beam", setting="")
+    assert not success
+    assert message.startswith("Slalom is open at the first robot for ann; ")
+    node._session.phase = "ended"
+    assert opening(exercise="beam", setting="") == "done"
+    node._session = what_is_open("Beam for two", "/telex_b")
+    assert opening(exercise="beam", setting="") == "done"

@@ -62,6 +62,7 @@ from .session import Session, SessionError
 from .settings import TrainingSettings
 from .texts import TraineeTexts
 from .trial.presence import Presence
+from .trial.team import require_in_team, require_opening
 
 _LONGEST_NAME = 40  # as of clients of the bridge and the video server
 _MOST_TEXT = 2000
@@ -133,7 +134,7 @@ class TrainingNode:
         ]
         # In a further robot's namespace, for its operators: their bridge knows no other.
         self._services += [
-            rospy.Service(f"{robot}/{name}", kind, self.for_team(kind, answer, name))
+            rospy.Service(f"{robot}/{name}", kind, self.for_team(kind, answer, name, robot))
             for robot in self._robots
             for name, (kind, answer) in services.items()
         ]
@@ -141,23 +142,24 @@ class TrainingNode:
 
     # --- services --------------------------------------------------------------------------------
 
-    def for_team(self, kind: Any, answer: Callable[[Any], Any], name: str) -> Callable[[Any], Any]:
-        """Return what answers a further robot's operator: an exercise of one robot is not his."""
+    def for_team(
+        self, kind: Any, answer: Callable[[Any], Any], name: str, robot: str
+    ) -> Callable[[Any], Any]:
+        """Return what answers a further robot's operator: other robots' exercises are not his."""
+        place = 1 + self._robots.index(robot)
         if name == "training/list":
             return answer
 
         def answer_team(request: Any) -> Any:
-            session = self._session
-            exercise = None if session is None else session.exercise
             try:
                 if name == "training/open":
                     exercise = load_exercise(known_exercise(request.exercise)).first
-            except ValueError as error:
+                    require_opening(self._session, exercise, robot, place)
+                else:
+                    require_in_team(self._session, robot)
+            except (SessionError, ValueError) as error:
                 return kind._response_class(success=False, message=str(error))
-            if exercise is None or exercise.robots:
-                return answer(request)
-            message = f"{exercise.title} is an exercise for one robot, the first one's"
-            return kind._response_class(success=False, message=message)
+            return answer(request)
 
         return answer_team
 
@@ -514,10 +516,10 @@ class TrainingNode:
             message = TrainingState(**state, help=self._asked_for_help is not None)
         message.header.stamp = rospy.get_rostime()
         self._state.publish(message)
-        for_all = session is not None and bool(session.exercise.robots)
-        told = message if for_all else TrainingState(header=message.header, phase=IDLE)
-        for publisher in self._other_states:
-            publisher.publish(told)
+        team = self._trials_robots()
+        idle = TrainingState(header=message.header, phase=IDLE)
+        for robot, publisher in zip(self._robots, self._other_states):
+            publisher.publish(message if robot in team else idle)
 
     # --- for the class's page --------------------------------------------------------------------
 
