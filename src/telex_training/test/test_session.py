@@ -16,7 +16,7 @@ import rospy
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 from telex_msgs.msg import ActiveMalfunction, BridgeClient, BridgeClients, Malfunctions, SimStatus
-from telex_msgs.srv import OpenExercise
+from telex_msgs.srv import ListExercises, OpenExercise
 from training_truth import LEVEL, Trial, serialized
 from waiting import wait_until
 
@@ -823,3 +823,46 @@ def test_what_is_open_at_the_first_robot_is_thrown_out_there_alone(station):
     assert opening(exercise="beam", setting="") == "done"
     node._session = what_is_open("Beam for two", "/telex_b")
     assert opening(exercise="beam", setting="") == "done"
+
+
+MIXED = """
+title: Mixed
+scene: {objects: []}
+settings:
+  - {name: alone}
+  - {name: in_team, robots: [{name: second, x: 2, y: 0}]}
+steps: [{name: there, until: {moved: {what: robot, distance: 1}}}]
+"""
+
+
+def test_a_further_robots_list_has_what_can_be_opened_there(station, tmp_path, monkeypatch):
+    mixed = tmp_path / "mixed.yaml"
+    mixed.write_text(MIXED)
+    (tmp_path / "wrong.yaml").write_text("title: 7")
+    files = {
+        "mixed": mixed,
+        "wrong": tmp_path / "wrong.yaml",
+        **{name: find_exercise(name) for name in ("slalom", "beam")},
+    }
+    monkeypatch.setattr(training_node, "exercises", lambda: files)
+    monkeypatch.setattr(training_node, "known_exercise", files.__getitem__)
+    node = station("/telex_b", "/telex_c")
+    node._session, node._offers = None, {}
+    node._library = SimpleNamespace(best=lambda _: {"mixed": 0.5})
+    node.pages = SimpleNamespace(preview_address=lambda _: "")
+
+    def listed(listing):
+        answer = listing(SimpleNamespace(operator="bob"))
+        return {each.name: list(each.settings) for each in answer.exercises}
+
+    first = listed(node._on_list)
+    assert sorted(first) == sorted(files)
+    assert first["mixed"] == ["alone", "in_team"]
+    at_robots = [
+        listed(node.for_team(ListExercises, mock.Mock(), "training/list", robot))
+        for robot in node._robots
+    ]
+    assert at_robots == [{"mixed": ["in_team"], "beam": first["beam"]}, {}]
+    opening = at_robot(node, "open", OpenExercise)
+    assert opening(exercise="mixed", setting="in_team") == "done"
+    assert not opening(exercise="mixed", setting="alone")[0]

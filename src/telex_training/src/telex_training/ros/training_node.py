@@ -62,11 +62,13 @@ from .session import Session, SessionError
 from .settings import TrainingSettings
 from .texts import TraineeTexts
 from .trial.presence import Presence
-from .trial.team import require_in_team, require_opening
+from .trial.team import require_in_team, require_opening, settings_of
 
 _LONGEST_NAME = 40  # as of clients of the bridge and the video server
 _MOST_TEXT = 2000
 _DAY = 86400.0
+_NOT_LISTED = ("own", "texts", "further")
+"""What is known of an exercise's file, but not told by ``training/list``."""
 
 Fields = Dict[str, Any]
 """Of a service's answer, but that it was a success."""
@@ -148,12 +150,13 @@ class TrainingNode:
         """Return what answers a further robot's operator: other robots' exercises are not his."""
         place = 1 + self._robots.index(robot)
         if name == "training/list":
-            return answer
+            return lambda request: self._on_list(request, place)
 
         def answer_team(request: Any) -> Any:
             try:
                 if name == "training/open":
-                    exercise = load_exercise(known_exercise(request.exercise)).first
+                    file = load_exercise(known_exercise(request.exercise))
+                    exercise = file.setting(request.setting)
                     require_opening(self._session, exercise, robot, place)
                 else:
                     require_in_team(self._session, robot)
@@ -163,21 +166,26 @@ class TrainingNode:
 
         return answer_team
 
-    def _on_list(self, request: Any) -> ListExercisesResponse:
+    def _on_list(self, request: Any, place: int = 0) -> ListExercisesResponse:
+        """List what can be opened at a robot: the first, or a further one by its place."""
         best = self._library.best(request.operator)
         listed = []
         for name, path in exercises().items():
             offer = self._offer(path)
-            offer.pop("texts", None)
-            listed.append(
-                TrainingExercise(name=name, best=best.get(offer.pop("own", ""), 0.0), **offer)
-            )
+            settings = settings_of(offer, place)
+            if place and not settings:
+                continue
+            own = best.get(offer.get("own", ""), 0.0)
+            shown = {key: value for key, value in offer.items() if key not in _NOT_LISTED}
+            shown["settings"] = settings
+            listed.append(TrainingExercise(name=name, best=own, **shown))
         return ListExercisesResponse(exercises=listed)
 
     def _offer(self, path: Path) -> Dict[str, Any]:
         """What the list says of an exercise's file; read again only where that has changed.
 
-        ``own`` is the name by which sheets know it, ``texts`` what it says in other languages.
+        ``own`` is the name by which sheets know it, ``texts`` what it says in other languages,
+        ``further`` how many robots beside the first each setting is for.
         """
         try:
             changed = path.stat().st_mtime_ns
@@ -197,6 +205,7 @@ class TrainingNode:
         return {
             "own": first.name,
             "texts": file.texts,
+            "further": {name: len(each.robots) for name, each in file.settings.items()},
             "title": first.title,
             "description": first.description,
             "settings": list(file.settings),

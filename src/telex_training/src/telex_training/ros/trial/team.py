@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Optional
+from typing import Any, List, Mapping, Optional
 
 from ...exercises.model import Exercise
 from ...judging.trial_record import ENDED
 from ..session import Session, SessionError
+
+
+def settings_of(offer: Mapping[str, Any], place: int) -> List[str]:
+    """Return the settings of an exercise, as `TrainingNode` offers it, that a robot can open.
+
+    Parameters
+    ----------
+    place : int
+        Of the robot on the station, from 0.
+    """
+    return [name for name in offer.get("settings", []) if offer["further"][name] >= place]
 
 
 def require_in_team(session: Optional[Session], robot: str) -> None:
@@ -35,7 +46,7 @@ def require_opening(session: Optional[Session], exercise: Exercise, robot: str, 
     robot : str
         Namespace of a further one.
     place : int
-        Of the robot on the station, from 0.
+        See `settings_of`.
 
     Raises
     ------
