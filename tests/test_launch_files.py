@@ -70,9 +70,24 @@ def parameters(launch, *arguments, place="simulator"):
     return {name[len(begin) :]: each.value for name, each in params.items() if begin in name}
 
 
-def test_a_robot_of_ones_own_finds_nothing_of_the_one_before():
+@pytest.mark.parametrize(
+    ("launch", "arguments", "cleared"),
+    [
+        (OWN_ROBOT, [], ["/rover/"]),
+        (ROBOT, [], ["/rover/"]),
+        (ROBOT, ["ns:=/lab/rover/", "simulator:=/lab"], ["/lab/rover/"]),
+        (ROBOT, ["simulator:=/telex"], ["/rover/"]),
+        (ROBOT, ["simulator:=/rover2"], ["/rover/"]),
+        # Not only this robot's.
+        (ROBOT, ["simulator:=/rover"], []),
+        (ROBOT, ["ns:=lab", "simulator:=/lab/telex"], []),
+        (ROBOT, ["ns:=/", "name:=rover"], []),
+        (ROBOT, ["ns:=/", "name:=rover", "simulator:=/telex"], []),
+    ],
+)
+def test_a_robot_of_ones_own_finds_nothing_of_the_one_before(launch, arguments, cleared):
     """On a master that runs on, parameters outlive the nodes that they were for."""
-    assert loaded(OWN_ROBOT).clear_params == ["/rover/"]
+    assert loaded(launch, *arguments).clear_params == cleared
 
 
 SAID = {
