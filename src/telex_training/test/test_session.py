@@ -16,7 +16,7 @@ import rospy
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 from telex_msgs.msg import ActiveMalfunction, BridgeClient, BridgeClients, Malfunctions, SimStatus
-from telex_msgs.srv import ListExercises, OpenExercise
+from telex_msgs.srv import ListExercises, NoteTrial, OpenExercise
 from training_truth import LEVEL, Trial, serialized
 from waiting import wait_until
 
@@ -24,6 +24,7 @@ from telex_sim.scene.robot_in_scene import robot_description
 from telex_training.exercises.catalog import find_exercise
 from telex_training.exercises.exercise_file import ExerciseError, parse_exercise
 from telex_training.exercises.model import Failure
+from telex_training.judging.trial_record import JudgeEvent
 from telex_training.recording import writer as writing
 from telex_training.recording.reader import read_recording
 from telex_training.recording.signature import VALID
@@ -776,7 +777,8 @@ def test_a_teams_pages_show_its_trial_and_others_do_not(station):
     node._session = what_is_open("Beam for two", "/telex_b")
     assert again() == "done"
     node._session = None
-    assert again() == "done"
+    assert again() == (False, "no exercise is open; training/open opens one")
+    assert at_robot(node, "note", NoteTrial)() == "done", "of a trial of another day"
 
 
 def test_who_is_not_in_the_team_can_neither_end_its_trial_nor_open_its_exercise(station):
@@ -823,6 +825,23 @@ def test_what_is_open_at_the_first_robot_is_thrown_out_there_alone(station):
     assert opening(exercise="beam", setting="") == "done"
     node._session = what_is_open("Beam for two", "/telex_b")
     assert opening(exercise="beam", setting="") == "done"
+
+
+def test_a_team_is_told_of_its_trial_and_nobody_else(station, monkeypatch):
+    monkeypatch.setattr(training_node.rospy, "get_rostime", lambda: genpy.Time(7))
+    node = station("/telex_b", "/telex_c")
+    node._library = mock.Mock()
+    node._events, node._sheets = ([mock.Mock() for _ in range(3)] for _ in range(2))
+    node._session = what_is_open("Beam for two", "/telex_b")
+    node._session.trial = "beam_1"
+    node._tell("beam_1", JudgeEvent(3.0, "begin", "", {}))
+    node._show("beam_1", "{}")
+    node._publish_sheet("another day's", "{}")
+    counts = [
+        [each.publish.call_count for each in publishers]
+        for publishers in (node._events, node._sheets)
+    ]
+    assert counts == [[1, 1, 0], [2, 1, 0]]
 
 
 MIXED = """

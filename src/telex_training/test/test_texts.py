@@ -18,18 +18,32 @@ def desk():
     published, noted, services = [], [], {}
     rospy = mock.Mock()
     rospy.Service = lambda name, _, answer: services.__setitem__(name, answer)
-    rospy.Publisher.return_value.publish = published.append
+    at_second, team = [], ["", "/telex_b"]
+
+    def publisher(topic, _, **__):
+        shown = {"training/text": published, "/telex_b/training/text": at_second}[topic]
+        return SimpleNamespace(publish=shown.append)
+
+    def for_team(_, answer, name, robot):
+        return lambda request: answer(request) if robot in team else f"{name}: not {robot}'s"
+
+    def call(robot, name, **request):
+        service = f"{robot}/training/{name}" if robot else f"training/{name}"
+        return services[service](SimpleNamespace(**request))
+
+    rospy.Publisher = publisher
     rospy.get_rostime.return_value = genpy.Time(7)
     with mock.patch.object(module, "rospy", rospy):
-        texts = TraineeTexts(noted.append, lambda: "Ann")
+        names = {"": "Ann", "/telex_b": "Cid"}
+        texts = TraineeTexts(noted.append, names.__getitem__, ["/telex_b"], lambda: team, for_team)
         yield SimpleNamespace(
-            tell=lambda text, by="Bob": services["training/tell"](
-                SimpleNamespace(text=text, by=by)
-            ),
-            read=lambda number: services["training/read"](SimpleNamespace(number=number)),
+            tell=lambda text, by="Bob", robot="": call(robot, "tell", text=text, by=by),
+            read=lambda number, robot="": call(robot, "read", number=number),
             clear=texts.clear,
             published=published,
+            at_second=at_second,
             noted=noted,
+            team=team,
         )
 
 
@@ -46,6 +60,27 @@ def test_a_text_is_shown_until_it_is_read_and_both_are_noted(desk):
         {"input": "note", "text": "said to the trainee: <b>Stop</b>", "by": "Bob"},
         {"input": "note", "text": "has read: <b>Stop</b>", "by": "Ann"},
     ]
+
+
+def test_a_team_is_shown_one_text_and_whoever_reads_it_is_noted(desk):
+    assert desk.tell("Slower", robot="/telex_b").success
+    assert [each[-1].text for each in (desk.published, desk.at_second)] == ["Slower"] * 2
+    assert desk.read(1, "/telex_b").success
+    assert desk.published[-1].read
+    assert desk.at_second[-1].read
+    assert desk.noted[-1] == {"input": "note", "text": "has read: Slower", "by": "Cid"}
+
+
+def test_a_robot_that_is_not_in_the_team_is_shown_no_text(desk):
+    desk.tell("Slower")
+    desk.team.remove("/telex_b")
+    desk.clear()
+    desk.tell("Ann, stop")
+    shown = desk.at_second[-1]
+    assert (shown.number, shown.text, shown.read) == (3, "", True)
+    assert desk.tell("Stop", robot="/telex_b") == "training/tell: not /telex_b's"
+    assert desk.read(3, "/telex_b") == "training/read: not /telex_b's"
+    assert not desk.published[-1].read
 
 
 def test_a_text_that_is_taken_back_needs_no_acknowledgement(desk):

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import threading
-from typing import Any, Callable, Dict
+from functools import partial
+from typing import Any, Callable, Collection, Dict, Sequence
 
 import rospy
 from telex_msgs.msg import TrainingText
@@ -12,6 +13,11 @@ from telex_msgs.srv import ReadText, ReadTextResponse, TellTrainee, TellTraineeR
 LONGEST = 200
 """Of a text, in characters: one line that is read at a glance."""
 _LONGEST_NAME = 40
+
+ForTeam = Callable[[Any, Callable[[Any], Any], str, str], Callable[[Any], Any]]
+"""Makes of a service's class, what answers it, its name and a further robot's namespace what
+answers there: it refuses where that robot has no part in what is open.
+"""
 
 
 class TraineeTexts:
@@ -22,18 +28,42 @@ class TraineeTexts:
     note : callable
         Told an input of the judge, for the recording of the trial that is under way, if one is.
     reader : callable
-        Returns the name of the trainee.
+        Returns the name of the trainee at a robot, by its namespace; that of the first is empty.
+    others : sequence of str
+        Namespaces of further robots, where both services and the topic are as well.
+    team : callable
+        Returns the namespaces of the robots of what is open: others are shown no text.
+    for_team : callable
+        See `ForTeam`.
     """
 
-    def __init__(self, note: Callable[[Dict[str, Any]], None], reader: Callable[[], str]) -> None:
-        self._note, self._reader = note, reader
+    def __init__(
+        self,
+        note: Callable[[Dict[str, Any]], None],
+        reader: Callable[[str], str],
+        others: Sequence[str] = (),
+        team: Callable[[], Collection[str]] = tuple,
+        for_team: ForTeam = lambda kind, answer, name, robot: answer,
+    ) -> None:
+        self._note, self._reader, self._team = note, reader, team
         self._lock = threading.Lock()
         self._text = TrainingText()
         self._publisher = rospy.Publisher("training/text", TrainingText, queue_size=4, latch=True)
+        self._others = {
+            robot: rospy.Publisher(f"{robot}/training/text", TrainingText, queue_size=4, latch=True)
+            for robot in others
+        }
         self._services = [
             rospy.Service("training/tell", TellTrainee, self._on_tell),
-            rospy.Service("training/read", ReadText, self._on_read),
+            rospy.Service("training/read", ReadText, partial(self._on_read, "")),
         ]
+        for robot in others:
+            for name, kind, answer in (
+                ("training/tell", TellTrainee, self._on_tell),
+                ("training/read", ReadText, partial(self._on_read, robot)),
+            ):
+                answer_team = for_team(kind, answer, name, robot)
+                self._services.append(rospy.Service(f"{robot}/{name}", kind, answer_team))
 
     def clear(self) -> None:
         """Show no text any more: what comes is for another trainee."""
@@ -56,7 +86,7 @@ class TraineeTexts:
         self._note({"input": "note", "text": said, "by": by})
         return TellTraineeResponse(success=True, message="", number=number)
 
-    def _on_read(self, request: Any) -> ReadTextResponse:
+    def _on_read(self, robot: str, request: Any) -> ReadTextResponse:
         with self._lock:
             now = self._text
             if request.number != now.number or not now.text:
@@ -68,10 +98,14 @@ class TraineeTexts:
                 return ReadTextResponse(success=True, message="it was acknowledged before")
             self._publish(TrainingText(number=now.number, text=now.text, by=now.by, read=True))
         said = f"has read: {now.text}"
-        self._note({"input": "note", "text": said, "by": self._reader() or "trainee"})
+        self._note({"input": "note", "text": said, "by": self._reader(robot) or "trainee"})
         return ReadTextResponse(success=True, message="")
 
     def _publish(self, text: TrainingText) -> None:
         text.header.stamp = rospy.get_rostime()
         self._text = text
         self._publisher.publish(text)
+        nothing = TrainingText(header=text.header, number=text.number, read=True)
+        team = self._team()
+        for robot, publisher in self._others.items():
+            publisher.publish(text if robot in team else nothing)

@@ -96,8 +96,14 @@ class TrainingNode:
             rospy.Publisher(f"{each}training/state", TrainingState, queue_size=4, latch=True)
             for each in prefixes
         )
-        self._events = rospy.Publisher("training/events", TrainingEvent, queue_size=100)
-        self._sheet = rospy.Publisher("training/sheet", TrainingSheet, queue_size=4, latch=True)
+        self._events = [
+            rospy.Publisher(f"{each}training/events", TrainingEvent, queue_size=100)
+            for each in prefixes
+        ]
+        self._sheets = [
+            rospy.Publisher(f"{each}training/sheet", TrainingSheet, queue_size=4, latch=True)
+            for each in prefixes
+        ]
         self._exam = ExamList(settings.bridge, self._on_list_lifted, others=self._robots)
         self._apparatus = Apparatus(self._on_status, self._robots)
         self._clients = [
@@ -115,7 +121,9 @@ class TrainingNode:
         )
         self.pages.briefs.opened = self._opened
         self.pages.briefs.texts = self._own_texts
-        self._texts = TraineeTexts(self._note_said, self._presence.name)
+        self._texts = TraineeTexts(
+            self._note_said, self._presence.name, self._robots, self._trials_robots, self.for_team
+        )
         acts: Dict[str, Tuple[Any, Act]] = {
             "training/open": (OpenExercise, self._on_open),
             "training/start": (Trigger, lambda _: self._trigger(self._start)),
@@ -158,8 +166,9 @@ class TrainingNode:
                     file = load_exercise(known_exercise(request.exercise))
                     exercise = file.setting(request.setting)
                     require_opening(self._session, exercise, robot, place)
-                else:
-                    require_in_team(self._session, robot)
+                elif kind is not NoteTrial or self._session is not None:
+                    # A note may be of a trial of another day, with nothing open.
+                    require_in_team(self._open_session(), robot)
             except (SessionError, ValueError) as error:
                 return kind._response_class(success=False, message=str(error))
             return answer(request)
@@ -505,7 +514,7 @@ class TrainingNode:
             detail=json.dumps(event.detail, sort_keys=True),
         )
         message.header.stamp = rospy.Time.from_sec(event.time)
-        self._events.publish(message)
+        self._publish_to_team(self._events, message)
 
     def _show(self, trial: str, sheet: str) -> None:
         self._library.forget()
@@ -514,7 +523,16 @@ class TrainingNode:
     def _publish_sheet(self, trial: str, sheet: str) -> None:
         message = TrainingSheet(trial=trial, sheet=sheet)
         message.header.stamp = rospy.get_rostime()
-        self._sheet.publish(message)
+        self._publish_to_team(self._sheets, message)
+
+    def _publish_to_team(self, publishers: List[rospy.Publisher], message: Any) -> None:
+        """Tell something of a trial at its robots; of one that is open no more at the first."""
+        session = self._session
+        is_open = session is not None and session.trial == message.trial
+        team = self._trials_robots() if is_open else [""]
+        for robot, publisher in zip(["", *self._robots], publishers):
+            if robot in team:
+                publisher.publish(message)
 
     def _publish_state(self) -> None:
         session = self._session

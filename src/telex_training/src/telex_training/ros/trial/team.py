@@ -20,7 +20,7 @@ def settings_of(offer: Mapping[str, Any], place: int) -> List[str]:
     return [name for name in offer.get("settings", []) if offer["further"][name] >= place]
 
 
-def require_in_team(session: Optional[Session], robot: str) -> None:
+def require_in_team(session: Session, robot: str) -> None:
     """Refuse what is asked for at a robot that has no part in what is open.
 
     Parameters
@@ -32,7 +32,7 @@ def require_in_team(session: Optional[Session], robot: str) -> None:
     ------
     SessionError
     """
-    if session is not None and robot not in session.others.values():
+    if robot not in session.others.values():
         raise SessionError(_not_his(session.exercise))
 
 
