@@ -15,7 +15,14 @@ import pytest
 import rospy
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
-from telex_msgs.msg import ActiveMalfunction, BridgeClient, BridgeClients, Malfunctions, SimStatus
+from telex_msgs.msg import (
+    ActiveMalfunction,
+    BridgeClient,
+    BridgeClients,
+    InstructorAction,
+    Malfunctions,
+    SimStatus,
+)
 from telex_msgs.srv import ListExercises, NoteTrial, OpenExercise
 from training_truth import LEVEL, Trial, serialized
 from waiting import wait_until
@@ -31,8 +38,8 @@ from telex_training.recording.signature import VALID
 from telex_training.recording.station_keys import PRIVATE, known_keys
 from telex_training.recording.trial_file import SHEET, judged, serialised_input, signature_of
 from telex_training.recording.writer import RecordingError
+from telex_training.ros import channels, training_node
 from telex_training.ros import session as sessions
-from telex_training.ros import training_node
 from telex_training.ros.apparatus import ApparatusError
 from telex_training.ros.trial import presence
 
@@ -129,8 +136,8 @@ def new_session(tmp_path, monkeypatch, simulator):
     """Opens a drill, by its text, in a mode."""
     opened = []
 
-    def make(text, mode="practice"):
-        opened.append(session_of(text, mode, tmp_path, simulator))
+    def make(text, mode="practice", **given):
+        opened.append(session_of(text, mode, tmp_path, simulator, **given))
         return opened[-1]
 
     monkeypatch.setenv("ROS_HOME", str(tmp_path / "home"))
@@ -141,12 +148,12 @@ def new_session(tmp_path, monkeypatch, simulator):
         session.close("the test is over")
 
 
-def session_of(text, mode, folder, simulator):
+def session_of(text, mode, folder, simulator, **given):
     file = parse_exercise(text, Path("/exercises/drill.yaml"))
     about = {"urdf": "", "cameras": {}, "meshes": {}}
     events = (lambda: None, lambda *_: None, lambda *_: None)
     return sessions.Session(
-        file, file.first, mode, "ann", "test", folder, about, simulator, [], *events
+        file, file.first, mode, "ann", "test", folder, about, simulator, [], *events, **given
     )
 
 
@@ -681,6 +688,43 @@ def test_a_trial_of_one_robot_is_left_whoever_is_at_another(console):
     assert not look(0.0, telex="ann", telex_b="bob")
     assert not look(1.0, telex="", telex_b="bob")
     assert look(30.1, telex="", telex_b="bob") == [("abandoned", "training", True)]
+
+
+def test_what_is_done_from_the_page_of_any_robot_is_noted(new_session, monkeypatch):
+    heard = {}
+
+    def subscriber(topic, _, hear, **__):
+        heard.setdefault(topic, []).append(hear)
+        return mock.Mock()
+
+    monkeypatch.setattr(channels.rospy, "Subscriber", subscriber)
+    monkeypatch.setattr(sessions, "Channels", channels.Channels)
+    monkeypatch.setattr(sessions, "ConfigurationWatch", mock.Mock())
+    session = new_session(DRILL, station=["/telex_b"])
+    session.start()
+    wait(session, "waiting")
+    request = json.dumps({"daylight": 0.0, "lamps": 0.1})
+    action = InstructorAction(by="ina", service="sim/set_light", request=request)
+    for topic in ("bridge/actions", "/telex_b/bridge/actions"):
+        (hear,) = heard[topic]
+        hear(SimpleNamespace(_buff=serialized(action), _connection_header={"type": action._type}))
+    assert "/telex_b/bridge/clients" not in heard
+    session.abort("aborted")
+    said = {"by": "ina", "text": "set daylight to 0%, lamps to 10%"}
+    notes = ended(session)["notes"]
+    assert [{key: each[key] for key in said} for each in notes] == [said, said]
+
+
+def test_what_the_page_of_a_teams_robot_does_is_recorded_once(monkeypatch):
+    topics = []
+    monkeypatch.setattr(channels.rospy, "Subscriber", lambda topic, *_, **__: topics.append(topic))
+    channels.Channels(mock.Mock(), [], {"second": "/telex_b"}, ["/telex_b", "/telex_c"])
+    assert [each for each in topics if each.endswith("bridge/actions")] == [
+        "bridge/actions",
+        "/telex_b/bridge/actions",
+        "/telex_c/bridge/actions",
+    ]
+    assert len(set(topics)) == len(topics)
 
 
 def test_what_an_instructor_calls_off_is_not_given_up(station, session):

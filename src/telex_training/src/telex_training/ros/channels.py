@@ -139,16 +139,28 @@ class Channels:
         Further topics that are recorded, such as lamps' and the zoom's.
     others : mapping of str to str, optional
         Namespaces of further robots, by the exercise's names: the same is recorded of them.
+    station : sequence of str
+        Namespaces of all further robots. Through the bridges of those that are none of the
+        exercise's, instructors change the one scene as well: recorded as at the first robot's.
     """
 
     def __init__(
-        self, take: Take, more: Sequence[str] = (), others: Optional[Mapping[str, str]] = None
+        self,
+        take: Take,
+        more: Sequence[str] = (),
+        others: Optional[Mapping[str, str]] = None,
+        station: Sequence[str] = (),
     ) -> None:
         # The names of the truth first, so that they are there when the first sample comes.
         self._subscribers: List[rospy.Subscriber] = [
             self._listen(channel, take, robot, namespace)
             for robot, namespace in (("", ""), *(others or {}).items())
             for channel in (*WATCHED, *more)
+        ]
+        self._subscribers += [
+            self._listen(ACTIONS, take, "", namespace)
+            for namespace in station
+            if namespace not in (others or {}).values()
         ]
 
     def _listen(self, channel: str, take: Take, robot: str, namespace: str) -> rospy.Subscriber:

@@ -13,7 +13,7 @@ import threading
 import time
 from datetime import datetime
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import rospy
 from telex_msgs.msg import SimStatus
@@ -75,6 +75,8 @@ class Session:
         Told the trial and the text of its sheet, once the recording is closed.
     others : mapping of str to str, optional
         Namespaces of the exercise's further robots, by its names.
+    station : sequence of str
+        Namespaces of all further robots.
 
     Raises
     ------
@@ -96,9 +98,11 @@ class Session:
         happened: Callable[[str, JudgeEvent], None],
         ended: Callable[[str, str], None],
         others: Optional[Mapping[str, str]] = None,
+        station: Sequence[str] = (),
     ) -> None:
         self.exercise = exercise
         self.others = others or {}
+        self._station = station
         self.mode = mode
         self.operator = operator
         self.path: Optional[Path] = None
@@ -207,7 +211,8 @@ class Session:
         )
         self._put({"input": "start"})
         odometry = [ODOMETRY] if self.exercise.survey is not None else []
-        self._channels = Channels(self._hear, [*self._recorded, *odometry], self.others)
+        more = [*self._recorded, *odometry]
+        self._channels = Channels(self._hear, more, self.others, self._station)
         self._watches = [
             ConfigurationWatch(self._reconfigured, namespace=namespace)
             for namespace in ("", *(f"{each}/" for each in self.others.values()))

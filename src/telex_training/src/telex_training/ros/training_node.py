@@ -292,6 +292,7 @@ class TrainingNode:
                 self._tell,
                 self._show,
                 others,
+                self._robots,
             )
             if self._session is not None:
                 self._session.leave()
