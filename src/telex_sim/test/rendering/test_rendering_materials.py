@@ -131,13 +131,13 @@ def test_a_broken_library_is_refused_with_its_line(things):
         load_parts(things)
 
 
-def test_collada_stands_upright_in_metres_with_its_colour(tmp_path):
+def test_collada_is_in_metres_with_its_axes_and_its_colour(tmp_path):
     path = tmp_path / "thing.dae"
     path.write_text(DAE)
     (part,) = load_parts(path)
     assert part.color == pytest.approx((0.1, 0.2, 0.9, 1.0))
-    # (x, y, z) of the file, y up and moved by 200 along z, is (x, -z, y) here.
-    expected = np.array([(0.0, -2.0, 0.0), (0.0, -2.0, 1.0), (0.0, -3.0, 0.0)])
+    # Moved by 200 along z; that y is up in it counts for nothing, as in rviz.
+    expected = np.array([(0.0, 0.0, 2.0), (0.0, 1.0, 2.0), (0.0, 0.0, 3.0)])
     found = part.mesh.positions
     assert len(found) == 3
     assert np.abs(found[:, None] - expected).max(axis=2).min(axis=0) == pytest.approx(0.0, abs=1e-6)

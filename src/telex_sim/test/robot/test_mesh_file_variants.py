@@ -171,17 +171,21 @@ def dae(primitives, nodes, asset="<up_axis>Z_UP</up_axis>"):
 
 RED, GREEN = (1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 0.0, 1.0)
 DAE = {
-    "centimetres with y up": (
+    "centimetres, whatever is up": (
         dae(
             TRIANGLES,
             f"<node>{instance(m='r')}</node>",
             '<unit name="centimeter" meter="0.01"/><up_axis>Y_UP</up_axis>',
         ),
-        [(RED, None, [((0, 0, 0), (0.01, 0, 0), (0.01, 0, 0.01))])],
+        [(RED, None, [((0, 0, 0), (0.01, 0, 0), (0.01, 0.01, 0))])],
     ),
     "x up": (
         dae(TRIANGLES, f"<node>{instance(m='r')}</node>", "<up_axis>X_UP</up_axis>"),
-        [(RED, None, [((0, 0, 0), (0, 0, 1), (-1, 0, 1))])],
+        [(RED, None, [(A, B, C)])],
+    ),
+    "nothing said of what is up": (
+        dae(TRIANGLES, f"<node>{instance(m='r')}</node>", ""),
+        [(RED, None, [(A, B, C)])],
     ),
     "an instance within moved, turned and scaled nodes": (
         dae(

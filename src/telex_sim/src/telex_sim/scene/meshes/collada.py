@@ -12,7 +12,10 @@ from .appearance import Corners, FilePart, Look
 
 
 def read_collada(path: Path) -> List[FilePart]:
-    """Read the triangles of a file's scene, in metres with z up, with their materials.
+    """Read the triangles of a file's scene, in metres, with their materials.
+
+    The axes are the file's, whatever it says is up: rviz and Gazebo do not heed that, and robots
+    are made to be right there.
 
     Raises
     ------
@@ -27,12 +30,12 @@ def read_collada(path: Path) -> List[FilePart]:
     try:
         document = Collada(str(path), ignore=[DaeUnsupportedError])
         bound = list(document.scene.objects("geometry")) if document.scene else []
-        upright = _upright(document)
+        metres = float(document.assetInfo.unitmeter or 1.0)
         parts = [
             part
             for geometry in bound
             for primitive in geometry.primitives()
-            for part in _parts(primitive, upright, path.parent, _is_mirrored(geometry))
+            for part in _parts(primitive, metres, path.parent, _is_mirrored(geometry))
         ]
     except OSError:
         raise
@@ -43,35 +46,22 @@ def read_collada(path: Path) -> List[FilePart]:
     return parts
 
 
-def _upright(document: Any) -> np.ndarray:
-    """Rotation and scale to metres with z up, shape (3, 3)."""
-    info = document.assetInfo
-    metres = info.unitmeter if info.unitmeter else 1.0
-    axes = {
-        "X_UP": [[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]],
-        "Y_UP": [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]],
-    }.get(info.upaxis, np.eye(3).tolist())
-    upright: np.ndarray = metres * np.array(axes)
-    return upright
-
-
 def _is_mirrored(geometry: Any) -> bool:
     """Whether an instance's place turns its triangles' outside inwards."""
     return bool(np.linalg.det(np.asarray(geometry.matrix)[:3, :3]) < 0.0)
 
 
-def _parts(primitive: Any, upright: np.ndarray, folder: Path, mirrored: bool) -> List[FilePart]:
+def _parts(primitive: Any, metres: float, folder: Path, mirrored: bool) -> List[FilePart]:
     if hasattr(primitive, "triangleset"):
         primitive = primitive.triangleset()
     index = getattr(primitive, "vertex_index", None)
     if index is None or not len(index) or np.shape(index)[1:] != (3,):
         # Lines and points have no surface.
         return []
-    positions = np.asarray(primitive.vertex, dtype=np.float64)[index] @ upright.T
+    positions = np.asarray(primitive.vertex, dtype=np.float64)[index] * metres
     normals = None
     if primitive.normal is not None and primitive.normal_index is not None:
         normals = np.asarray(primitive.normal, dtype=np.float64)[primitive.normal_index]
-        normals = normals @ upright.T
     uvs = None
     if primitive.texcoordset:
         chosen = np.asarray(primitive.texcoordset[0], dtype=np.float64)

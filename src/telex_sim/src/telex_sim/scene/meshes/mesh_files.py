@@ -90,7 +90,7 @@ def rewritten(path: Path) -> Optional[bytes]:
     """Write a file of which PyBullet makes another shape than `load_mesh` as a binary STL.
 
     Of STL it reads binary files only; in OBJ a carriage return ends no line, and a backslash
-    continues none; of COLLADA it heeds no up axis, and takes triangles only.
+    continues none; of COLLADA it takes triangles only.
 
     Returns
     -------
