@@ -709,7 +709,7 @@ def test_four_clients_at_once(recorders):
         wait_until(ends, what, 60.0, period=0.0)
 
     clients = [Call(client, name) for name in names]
-    cycle_until(lambda: min(counts.values()) >= 50, lambda: f"50 rounds of each: {counts}")
+    cycle_until(lambda: min(counts.values()) >= 10, lambda: f"ten rounds of each: {counts}")
     ended.set()
     cycle_until(lambda: not any(each.is_alive() for each in clients), "all clients to end")
     assert recorders.states() == {}

@@ -340,6 +340,7 @@ def ending(spawned, monkeypatch):
 def listener(monkeypatch):
     """Who takes connections at the address of the manager."""
     with socket.create_server(("127.0.0.1", 0)) as server:
+        server.settimeout(30.0)
         address = f"rosrpc://127.0.0.1:{server.getsockname()[1]}"
         monkeypatch.setattr(last_calls, "manager_address", lambda prefix: address)
         yield server
@@ -362,7 +363,7 @@ def test_nobody_waits_for_a_manager_that_nobody_knows(ending, monkeypatch):
 
 def test_a_manager_that_takes_connections_is_waited_for(ending, listener):
     for client, wanted, end in ending():
-        ends = threading.Thread(target=end)
+        ends = threading.Thread(target=end, daemon=True)
         ends.start()
         for _ in range(3):
             listener.accept()[0].close()

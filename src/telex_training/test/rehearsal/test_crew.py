@@ -131,9 +131,12 @@ class TestElsewhere:
                 cluster.shutdown_scheduler = False
 
             address = cluster.scheduler_address
-            with pytest.raises(CrewError, match=f"scheduler {address}: the connection was lost"):
-                do_elsewhere(["double a", "wait"], work, address, lose, print)
-            RELEASED.set()
+            lost = f"scheduler {address}: the connection was lost"
+            try:
+                with pytest.raises(CrewError, match=lost):
+                    do_elsewhere(["double a", "wait"], work, address, lose, print)
+            finally:
+                RELEASED.set()
 
     @pytest.mark.parametrize("address", ["", "nonsense", "http://a:1", "tcp://a", "tcp://a:99999"])
     def test_what_is_no_address_is_refused(self, warnings: List[str], address: str) -> None:
