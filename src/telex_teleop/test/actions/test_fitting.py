@@ -258,6 +258,51 @@ class TestArmOnAFixedBase:
         assert "guard" not in told(unguarded)["actions"]
 
 
+LIFT = '<limit lower="0" upper="0.5" effort="900" velocity="0.1"/>'
+COLUMNS = {
+    "mimic": f'{LIFT}<mimic joint="lift_joint"/>',
+    "no limits": '<limit effort="900" velocity="0.1"/>',
+}
+
+
+class TestArmOnAColumn:
+    """Which another joint lifts, too, or of which nobody says how far it goes."""
+
+    @pytest.fixture(params=COLUMNS.values(), ids=COLUMNS)
+    def parameters(self, request):
+        column = "".join(
+            f'''<link name="{parent}"/><joint name="{name}_joint" type="prismatic">
+            <parent link="{parent}"/><child link="{child}"/>
+            <origin xyz="0.1 0 0.3" rpy="0 0 {yaw}"/><axis xyz="0 0 1"/>{limits}</joint>'''
+            for parent, child, name, yaw, limits in (
+                ("foot", "stage", "lift", 1.5707963267948966, LIFT),
+                ("stage", "pedestal", "column", 0.0, request.param),
+            )
+        )
+        urdf = BENCH_ARM["robot_description"].replace("</robot>", f"{column}</robot>")
+        return {**BENCH_ARM, "robot_description": urdf}
+
+    def test_its_joints_are_known_where_they_are(self, parameters):
+        robot, plain = robot_of(parameters), robot_of(BENCH_ARM)
+        assert [each.name for each in robot.arm] == [each.name for each in plain.arm]
+        assert [each.name for each in robot.fingers] == ["near_jaw_joint", "far_jaw_joint"]
+        for ours, theirs in zip((*robot.arm, *robot.fingers), (*plain.arm, *plain.fingers)):
+            (x, y, z), (ahead, left, up) = theirs.place, theirs.axis
+            assert ours.place == pytest.approx((0.1 - y, 0.1 + x, z + 0.6))
+            assert ours.axis == pytest.approx((-left, ahead, up))
+
+    def test_the_page_has_what_the_arm_can_do_and_no_more(self, parameters):
+        answer = told(parameters)
+        assert modes(answer) == ["JOINT", "CARTESIAN"]
+        assert {"waist left", "hand turn right"} <= set(titles(answer))
+        jogs = [each["does"] for each in answer["actions"].values()]
+        moves = {each["joints"] for each in jogs if each.get("node") == "arm"}
+        assert moves == {(each.name,) for each in robot_of(BENCH_ARM).arm}
+        assert robot_of(parameters).as_json()["moves"]["flipper"] == []
+        kinds = {each["does"]["kind"] for each in answer["actions"].values()}
+        assert not kinds & {"drive", "side", "preset", "lamps"}
+
+
 class TestOtherRobots:
     """Robots that are not shipped."""
 

@@ -13,10 +13,10 @@ from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Tuple
 
 import numpy as np
 
+from telex_control.common.geometry.matrices import homogeneous, rotation_from_rpy
 from telex_control.common.params import ConfigError, read_config
-from telex_control.kinematics import Chain
 from telex_control.kinematics.urdf_tree import UrdfTree
-from telex_control.urdf.joints import PRISMATIC, UrdfError, parse_urdf
+from telex_control.urdf.joints import PRISMATIC, UrdfError
 from telex_teleop.arm.arm_settings import ArmTeleopSettings, carrier_of
 from telex_teleop.flippers.flipper_settings import FlipperTeleopSettings
 from telex_teleop.joints.joint_settings import (
@@ -220,8 +220,7 @@ class _Reader:
         self._given = given
         self._description: str = given["robot_description"]
         self._warn = warn
-        self._robot = parse_urdf(self._description)
-        self._tree = UrdfTree(self._robot)
+        self._tree = UrdfTree.from_urdf(self._description)
         self._links = {self._tree.root, *self._tree.joint_above}
         self._above = {joint.name: joint for joint in self._tree.joint_above.values()}
 
@@ -339,7 +338,9 @@ class _Reader:
 
     def _moved_joint(self, name: str) -> MovedJoint:
         joint = self._above[name]
-        chain = Chain(self._robot, self._tree.root, joint.child)
-        pose = chain.forward(np.zeros(len(chain.joints)).tolist())
+        pose = np.eye(4)
+        # Of origins alone: a `Chain` refuses joints below that are of <mimic>, or without limits.
+        for each in self._tree.path(self._tree.root, joint.child):
+            pose = pose @ homogeneous(rotation_from_rpy(each.origin.rpy), each.origin.xyz)
         x, y, z = (pose[:3, :3] @ np.array(joint.axis)).tolist()
         return MovedJoint(name, joint.kind, (x, y, z), tuple(pose[:3, 3].tolist()))
