@@ -231,9 +231,8 @@ class Viewer:
 
     def __init__(self, topics, topic, kind):
         self.noted = []
-        topics.subscriber(
-            f"cameras/{topic}", kind, lambda m: self.noted.append(Note(m)), queue_size=10
-        )
+        # With room for all: of what is read at once, nothing is dropped.
+        topics.subscriber(f"cameras/{topic}", kind, lambda m: self.noted.append(Note(m)))
 
     def note_for(self, seconds):
         """What comes within some time."""
@@ -695,7 +694,7 @@ class TestCameras:
         def repeated():
             return [note for note in front.noted if note.stamp == front.noted[-1].stamp]
 
-        wait_until(lambda: len(repeated()) >= 4, "four pictures of the same poses", 20.0)
+        wait_until(lambda: len(repeated()) >= 8, "eight pictures of the same poses", 20.0)
         assert len(repeated()) <= 12.0 * (time.monotonic() - begun)
 
     def test_poses_with_nan_move_nothing(self, stage, front):
@@ -838,8 +837,7 @@ class TestCounted:
     def test_nothing_is_drawn_for_nobody_any_more(self, stage, counter):
         stage.pictures("rear").wait()
         stage.leave()
-        wait_until(lambda: counter.within(0.3) == NOTHING, "nothing to be drawn")
-        assert counter.within(0.5) == NOTHING
+        wait_until(lambda: counter.within(0.8) == NOTHING, "nothing to be drawn")
 
     def test_when_all_is_late_who_comes_is_served_and_who_goes_no_more(self, stage, counter):
         # Far longer than the period of the cameras: one of them is always late.
