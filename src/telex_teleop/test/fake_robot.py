@@ -10,6 +10,8 @@ from pathlib import Path
 
 from waiting import wait_until
 
+from telex_teleop.motion.teleop_core import NEEDS_NEW_PRESS
+
 PACKAGE = Path(__file__).resolve().parents[1]
 TICK = 0.01  # s between joint states
 
@@ -78,14 +80,6 @@ class FakeRobot:
         known = self.references[joint][max(0, since - 1) :]
         return [(moment, way - before) for (_, before), (moment, way) in zip(known, known[1:])]
 
-    def rate(self, joint, duration):
-        """Velocity over the last `duration` seconds of sim time: the median of its references'.
-
-        One comes for each joint state, so what holds them up on their way changes none.
-        """
-        steps = self.steps(joint)[-round(duration / TICK) :]
-        return statistics.median(step for _, step in steps) / TICK
-
     def travel(self, joint, action):
         """How far a joint moves while something is done."""
         before = self.positions[joint]
@@ -103,6 +97,14 @@ class FakeRobot:
             "the robot at rest",
             timeout,
         )
+
+
+def rate(steps):
+    """Velocity of a joint by its steps: their median.
+
+    One comes for each joint state, so what holds them up on their way changes none.
+    """
+    return statistics.median(step for _, step in steps) / TICK
 
 
 def description(joints):
@@ -144,6 +146,49 @@ def holding(publisher, message):
     finally:
         ended.set()
         thread.join()
+
+
+@contextlib.contextmanager
+def held_until(condition, what, publisher, message, statuses, anew=lambda: None):
+    """Hold a key until something is so, and on until the caller's block ends; gives its times.
+
+    It is pressed anew only where the node asks for that: to one that got no processor for half a
+    second, what is held is from before.
+
+    Parameters
+    ----------
+    what
+        What is awaited, in words.
+    statuses
+        Of the node, as they come.
+    anew
+        Called between the node's asking and the next press: to forget what came before.
+    """
+    with contextlib.ExitStack() as held:
+        sent = held.enter_context(holding(publisher, message))
+
+        def done():
+            nonlocal sent
+            if condition():
+                return True
+            if statuses[-1].message == NEEDS_NEW_PRESS:
+                held.close()
+                wait_until(lambda: statuses[-1].message != NEEDS_NEW_PRESS, "the key to be let go")
+                anew()
+                sent = held.enter_context(holding(publisher, message))
+            return False
+
+        wait_until(done, lambda: f"{what} (the node's status: {statuses[-1:]})", 20.0)
+        yield sent
+
+
+def wait_until_told(statuses, message, speed_scale=1.0):
+    """Wait until a node's status says that, at some speed."""
+    told = message, speed_scale
+    wait_until(
+        lambda: (statuses[-1].message, statuses[-1].speed_scale) == told,
+        lambda: f"the node to tell {told} (its status: {statuses[-1:]})",
+    )
 
 
 def wait_until_listening(statuses):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 import re
 import subprocess
@@ -12,7 +11,7 @@ import time
 import numpy as np
 import pytest
 import yaml
-from fake_robot import PACKAGE, TICK, FakeRobot, holding
+from fake_robot import PACKAGE, TICK, FakeRobot, held_until, holding, wait_until_told
 from own_ros import NodeProcess, Topics, wait_until_connected
 from waiting import wait_until
 
@@ -132,19 +131,27 @@ class ToolOperator:
         assert (status.mode, status.speed_scale) == ("CARTESIAN", 1.0)
         assert not status.message.startswith(("the e-stop", "no joint", "just started"))
 
-    def wait_until_told(self, message):
-        wait_until(
-            lambda: self.status[-1].message == message,
-            lambda: f"arm_teleop to tell {message!r} (its status: {self.status[-1:]})",
+    def leading(self, message, least=1e-3):
+        """Lead the tool by a twist; gives it once the tool has moved so far (m, rad)."""
+        start = self.tool
+        return held_until(
+            lambda: np.abs(pose_error(self.tool, start)).max() > least,
+            "motion",
+            self.twists,
+            message,
+            self.status,
         )
 
-    @contextlib.contextmanager
-    def leading(self, message):
-        """Lead the tool by a twist; gives it once the tool has moved."""
-        start = self.tool
-        with holding(self.twists, message):
-            wait_until(lambda: np.abs(pose_error(self.tool, start)).max() > 1e-3, "motion")
-            yield
+    def sink(self, message):
+        """Lead the tool down by a twist, for 0.03 m."""
+        high = float(self.tool[2, 3])
+        what = "the tool to go through the floor"
+
+        def sunk():
+            return high - self.tool[2, 3] > 0.03
+
+        with held_until(sunk, what, self.twists, message, self.status):
+            pass
 
     def moved(self, act, seconds=0.0):
         """How far the tool moves (m, rad) while something is done, and some time (s) after it."""
@@ -165,8 +172,8 @@ class ToolOperator:
     def step(self, frame, axis, rate):
         """Lead the tool a little; its step along the axes of a frame."""
         start = self.tool
-        with holding(self.twists, twist(frame, axis, rate)):
-            wait_until(lambda: np.abs(pose_error(self.tool, start)).max() > 0.3 * rate, "motion")
+        with self.leading(twist(frame, axis, rate), least=0.3 * rate):
+            pass
         self.robot.rest()
         step = pose_error(self.tool, start)
         turn = {
@@ -248,13 +255,13 @@ class TestTwist:
 
         with arm.leading(twist(rate=0.5 * SPEED)):
             arm.e_stop.publish(Bool(True))
-            arm.wait_until_told("the e-stop is active")
+            wait_until_told(arm.status, "the e-stop is active")
             arm.robot.rest(10 * TICK)
             assert arm.moved_within(0.2) == 0.0
             arm.e_stop.publish(Bool(False))
-            arm.wait_until_told(NEEDS_NEW_PRESS)
+            wait_until_told(arm.status, NEEDS_NEW_PRESS)
             assert arm.moved_within(0.4) == 0.0
-        arm.wait_until_told("")
+        wait_until_told(arm.status, "")
         with arm.leading(twist()):
             pass
 
@@ -291,8 +298,12 @@ class TestPose:
 
     def test_arrives(self, arm):
         goal = advanced(arm.tool, np.array([0.04, 0.03, 0.025, 0.0, 0.05, 0.05]))
-        with holding(arm.poses, pose_message(goal)):
-            wait_until(lambda: np.abs(pose_error(arm.tool, goal)).max() < 1e-4, "the pose", 6.0)
+
+        def arrived():
+            return np.abs(pose_error(arm.tool, goal)).max() < 1e-4
+
+        with held_until(arrived, "the pose", arm.poses, pose_message(goal), arm.status):
+            pass
 
     def test_quaternion_that_is_not_normalised_moves_nothing(self, arm):
         askew = pose_message(arm.tool)
@@ -329,8 +340,12 @@ class TestModesAndOptions:
 
         arm.robot.positions[arm.chain.joint_names[0]] += 0.2
         arm.robot.rest()
-        with holding(arm.names, String("ready")):
-            wait_until(lambda: "in pose ready" in arm.status[-1].notice, "pose ready", 8.0)
+
+        def arrived():
+            return "in pose ready" in arm.status[-1].notice
+
+        with held_until(arrived, "pose ready", arm.names, String("ready"), arm.status):
+            pass
         # of the telescope, which rests at its limit: references keep a margin of 0.5 mm to it
         assert max(abs(arm.robot.positions[j] - READY[j]) for j in arm.chain.joint_names) < 5.1e-4
 
@@ -353,9 +368,7 @@ class TestModesAndOptions:
         time.sleep(0.4)
         answer = arm.set_guard(False)
         assert (answer.success, answer.message) == (True, "")
-        low = float(arm.tool[2, 3])
-        with holding(arm.twists, down):
-            wait_until(lambda: low - arm.tool[2, 3] > 0.03, "the tool to go through the floor")
+        arm.sink(down)
 
     def test_in_an_exam_it_feels_what_stands_around_it_only_with_sensors_for_that(self, arm):
         import rospy
@@ -374,9 +387,7 @@ class TestModesAndOptions:
             rospy.set_param(f"{NAMESPACE}/equipment", {"pads": {}})
             arm.exam.publish(String("of one without"))
             time.sleep(0.2)
-            low = float(arm.tool[2, 3])
-            with holding(arm.twists, down):
-                wait_until(lambda: low - arm.tool[2, 3] > 0.03, "the tool to go through the floor")
+            arm.sink(down)
         finally:
             arm.exam.publish(String(""))
             rospy.delete_param(f"{NAMESPACE}/equipment")
