@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 import time
 import urllib.request
-from typing import Any, Callable, Dict, List, Optional, Tuple
+from typing import Any, Callable, ClassVar, Dict, Iterator, List, Optional, Tuple
 from xmlrpc.client import ServerProxy
 
 import rosgraph
@@ -14,6 +15,7 @@ from control_msgs.msg import JointJog
 from controller_manager_msgs.srv import ListControllers
 from geometry_msgs.msg import PoseStamped, Twist
 from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool
 from telex_msgs.msg import JointTeleopStatus, SimStatus, TrackTeleopStatus
 from waiting import wait_until
 
@@ -32,7 +34,19 @@ LET_GO = 0.5
 """Time (s) for which a key is let go that is to be pressed anew: a node takes 0.28 s for that."""
 LONGEST_GAP = 0.2
 """Time (s) without a command, or a status, from which on a held key may count as let go."""
-ATTEMPTS = 5
+ATTEMPTS = 3
+
+
+class TimedOutError(AssertionError):
+    """What a `Robot` or a `Stream` waited for did not come in time."""
+
+
+def _wait_until(condition: Callable[[], Any], what: str, timeout: float = 10.0) -> None:
+    """Wait as tests do, with an error that differs from that of what a test asserts."""
+    try:
+        wait_until(condition, what, timeout)
+    except AssertionError as error:
+        raise TimedOutError(str(error)) from None
 
 
 def pid_of(name: str) -> Optional[int]:
@@ -60,7 +74,8 @@ class Robot:
         self.status: Optional[SimStatus] = None
         self.teleop: Dict[str, str] = {}
         self._told: Dict[str, Tuple[float, float]] = {}
-        self._held_up = 0.0
+        self._gaps: Dict[str, float] = {}
+        self._e_stop = rospy.Publisher("e_stop", Bool, queue_size=1)
         self._subscribers = [
             rospy.Subscriber(f"{node}/status", kind, self._on_teleop, node)
             for node, kind in TELEOP_NODES.items()
@@ -82,7 +97,8 @@ class Robot:
     def _on_teleop(self, message: Any, node: str) -> None:
         told = message.header.stamp.to_sec(), time.monotonic()
         gaps = [now - before for now, before in zip(told, self._told.get(node, told))]
-        self._held_up = max(self._held_up, *gaps)
+        longest = self._gaps
+        longest[node] = max(longest.get(node, 0.0), *gaps)
         self._told[node] = told
         self.teleop[node] = message.message
 
@@ -91,7 +107,8 @@ class Robot:
     ) -> None:
         """Wait until held keys have done something, and press anew those whose node asks for it.
 
-        To a node that got no processor for half a second, they are from before.
+        A node that got no processor for half a second takes a key that is held then for a press
+        from before a stop, and ignores it until it is released.
         """
 
         def done() -> bool:
@@ -107,24 +124,68 @@ class Robot:
                     key.held.set()
             return False
 
-        wait_until(done, what, timeout)
+        _wait_until(done, what, timeout)
 
     def do_without_a_gap(self, part: Callable[[], None]) -> None:
-        """Do a part of a test that holds keys, anew where they may have counted as let go.
+        """Do a part of a test that holds keys, anew where it failed and their holding had gaps.
 
         A node that hears nothing for 0.25 s obeys what comes then: be it that it got no processor,
-        or this process did not.
+        or this process did not. Only gaps of nodes to which the part holds keys count, and what did
+        not come in time is waited for no longer.
+
+        Parameters
+        ----------
+        part
+            Leaves behind, also where it fails, what it can begin from.
         """
         for left in reversed(range(ATTEMPTS)):
-            self._held_up = Stream.longest_gap = 0.0
+            self._gaps = {}
+            Stream.gaps.clear()
             try:
                 part()
                 return
+            except TimedOutError:
+                raise
             except AssertionError as error:
-                if left == 0 or max(self._held_up, Stream.longest_gap) < LONGEST_GAP:
+                gaps = {node: self._gap(node) for node in Stream.gaps}
+                if left == 0 or max(gaps.values(), default=0.0) < LONGEST_GAP:
                     raise
-                rospy.logwarn(f"anew, for a gap of a held key: {error}")
+                rospy.logwarn(f"anew, for gaps (s) of held keys: {gaps}: {error}")
             time.sleep(LET_GO)
+
+    def _gap(self, node: str) -> float:
+        """Longest time (s) without a command to a node or a status of it, up to now."""
+        told = self._told.get(node)
+        silent = 0.0 if told is None else time.monotonic() - told[1]
+        return max(silent, self._gaps.get(node, 0.0), Stream.gaps[node])
+
+    @contextlib.contextmanager
+    def emergency_stop(self) -> Iterator[None]:
+        """Press the emergency stop, and release it also where what is done meanwhile fails."""
+        _wait_until(
+            lambda: self._e_stop.get_num_connections() > len(TELEOP_NODES),
+            "simulator and teleoperation nodes to listen to e_stop",
+        )
+        try:
+            self._e_stop.publish(Bool(True))
+            _wait_until(lambda: self.status and self.status.e_stop, "the status to say e-stop", 5.0)
+            yield
+        finally:
+            self._e_stop.publish(Bool(False))
+            _wait_until(
+                lambda: self.status and not self.status.e_stop, "the status to say no e-stop", 5.0
+            )
+
+    @contextlib.contextmanager
+    def states(self) -> Iterator[List[JointState]]:
+        """Joint states that come meanwhile: at least one."""
+        states: List[JointState] = []
+        listener = rospy.Subscriber("joint_states", JointState, states.append, tcp_nodelay=True)
+        try:
+            _wait_until(lambda: states, "a joint state")
+            yield states
+        finally:
+            listener.unregister()
 
     def wait_until_obedient(self, *nodes: str, timeout: float = 20.0) -> None:
         """Wait until teleoperation nodes (all, if none is named) say that they obey.
@@ -134,7 +195,7 @@ class Robot:
         wanted = nodes or tuple(TELEOP_NODES)
         for node in wanted:
             self.teleop.pop(node, None)
-        wait_until(
+        _wait_until(
             lambda: all(self.teleop.get(node) == "" for node in wanted),
             f"{', '.join(wanted)} to obey",
             timeout,
@@ -148,7 +209,7 @@ class Robot:
             self.sleep(0.1)
             return all(abs(at - before[joint]) < 1e-4 for joint, at in self.positions().items())
 
-        wait_until(still, "every joint at rest", timeout)
+        _wait_until(still, "every joint at rest", timeout)
 
     def wait_until_controllable(self, timeout: float = 60.0) -> None:
         """Wait until the controllers that run from the start do, and the joint states come."""
@@ -159,8 +220,8 @@ class Robot:
             states = [controller.state for controller in listing().controller]
             return states.count("running") > 20
 
-        wait_until(running, "21 controllers running", timeout)
-        wait_until(lambda: self.state and self.base and self.status, "robot topics", timeout)
+        _wait_until(running, "21 controllers running", timeout)
+        _wait_until(lambda: self.state and self.base and self.status, "robot topics", timeout)
 
     def positions(self) -> Dict[str, float]:
         assert self.state is not None
@@ -182,7 +243,7 @@ class Robot:
     def sleep(self, seconds: float) -> None:
         """Let `seconds` of sim time pass, by the joint states' stamps."""
         end = self.sim_time() + seconds
-        wait_until(lambda: self.sim_time() >= end, "sim time to pass", 10.0 * seconds + 10.0)
+        _wait_until(lambda: self.sim_time() >= end, "sim time to pass", 10.0 * seconds + 10.0)
 
 
 class Stream:
@@ -194,11 +255,11 @@ class Stream:
         Cleared, it is silent.
     node : str
         To whom it goes.
-    longest_gap : float
-        Longest time (s) between two messages, of all streams.
+    gaps : dict
+        Node to the longest time (s) between two messages of a stream to it, of all streams.
     """
 
-    longest_gap = 0.0
+    gaps: ClassVar[Dict[str, float]] = {}
 
     def __init__(self, topic: str, message: object) -> None:
         self.node = topic.partition("/")[0]
@@ -210,11 +271,12 @@ class Stream:
         self._thread = threading.Thread(target=self._run, daemon=True)
 
     def __enter__(self) -> Stream:
-        wait_until(
+        _wait_until(
             lambda: self._publisher.get_num_connections() > 0,
             f"a subscriber of {self._publisher.name}",
             20.0,
         )
+        self.gaps.setdefault(self.node, 0.0)
         self._thread.start()
         return self
 
@@ -226,9 +288,13 @@ class Stream:
                 continue
             self._publisher.publish(self._message)
             now = time.monotonic()
-            if last is not None:
-                Stream.longest_gap = max(Stream.longest_gap, now - last)
+            self._note_gap(last, now)
             last = now
+        self._note_gap(last, time.monotonic())
+
+    def _note_gap(self, last: Optional[float], now: float) -> None:
+        if last is not None:
+            self.gaps[self.node] = max(self.gaps.get(self.node, 0.0), now - last)
 
     def __exit__(self, *exception: object) -> None:
         """Fall silent at once; no zero is sent."""
