@@ -57,7 +57,7 @@ WARM_UP = 30.0
 C library's arenas, of which a process has up to eight a core, each for some of its threads. Each
 keeps room for the largest request that it has seen: in the simulator some 15 MB, once. With two
 arenas it grew by 0.5 MB over 950 calls after the first 200."""
-LONGEST = 120.0
+LONGEST = 40.0
 """Time (s) after which too few calls and messages are enough."""
 LOADING = 180.0
 """Longest wait (s) for the cameras to have the scene. They make its textures once, which takes them
