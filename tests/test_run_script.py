@@ -36,6 +36,8 @@ ROOT = Path(__file__).resolve().parents[1]
 OPENS_ROS = ("ROS_IP", "ROS_HOSTNAME")
 FOREVER = 300.0
 """Longer than any program takes that these tests wait for (s)."""
+ENDING = 10.0
+"""It asks for 3 s of its own clock, then kills (s); the rest is a busy machine's."""
 LOOPBACK = "0100007F"
 """127.0.0.1 as /proc/net/tcp has it."""
 
@@ -298,7 +300,7 @@ def test_run_starts_everything_and_ctrl_c_leaves_nothing(private):
     assert not terminal.read_until(None, FOREVER)
     took = time.monotonic() - stopped_at
     _, status = os.waitpid(terminal.pid, 0)
-    assert took < 5.0
+    assert took < ENDING
     assert os.WEXITSTATUS(status) == 130
     assert processes_of(marker.encode()) == []
 
@@ -357,7 +359,7 @@ def test_ctrl_c_while_it_starts_leaves_nothing_either(private, delay):
     took = time.monotonic() - stopped_at
     _, status = os.waitpid(terminal.pid, 0)
     assert processes_of(marker.encode()) == []
-    assert took < 5.0
+    assert took < ENDING
     assert os.WEXITSTATUS(status) == 130
 
 
