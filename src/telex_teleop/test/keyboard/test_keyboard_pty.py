@@ -91,6 +91,14 @@ class Keyboard:
         os.write(self.master, data)
         return now
 
+    def repeat(self, data, count):
+        """Send a key as a keyboard repeats it; when each was."""
+        typed = []
+        for _ in range(count):
+            typed.append(self.type(data))
+            time.sleep(0.033)
+        return typed
+
     def wait_for(self, shown):
         wait_until(lambda: shown in self.shown, f"{shown!r} on the screen", 20.0)
 
@@ -328,15 +336,21 @@ class TestPlainTerminal:
         keyboard.type(b"w")
         wait_until(lambda: robot.twists[-1][1] == [0.0, 0.0], "the end of the first press")
         robot.wait_until_still()
-        robot.twists.clear()
-        typed = []
-        for _ in range(20):
-            typed.append(keyboard.type(b"w"))
-            time.sleep(0.033)
-        wait_until(lambda: robot.twists[-1][1] == [0.0, 0.0], "the stop")
-        robot.wait_until_still()
-        moving, stopped = len(robot.twists) - 1, robot.twists[-1][0]
+        typed, moments = [], []
+        for _ in range(5):
+            robot.twists.clear()
+            typed = keyboard.repeat(b"w", 20)
+            wait_until(lambda: robot.twists[-1][1] == [0.0, 0.0], "the stop")
+            robot.wait_until_still()
+            moments = [moment for moment, _ in robot.twists]
+            # Where the node or this process was held up there are gaps, and the key may time out.
+            if max(gaps(typed) + gaps(moments)) < 0.1:
+                break
+        moving, stopped = len(moments) - 1, moments[-1]
         assert [velocity for _, velocity in robot.twists] == [[1.2, 0.0]] * moving + [[0.0, 0.0]]
+        # A key that is typed lets the node wait for a period anew: there is a command for each.
+        assert median_period(moments) < 1.5 * median_period(typed)
+        assert moving * PERIOD > 0.5 * (typed[-1] - typed[0])
         # held from the first repeat until key_timeout after the last one
         assert stopped - typed[-1] >= 0.2
         assert moving * PERIOD <= typed[-1] - typed[0] + 0.2 + 0.25
@@ -458,9 +472,14 @@ def test_status_of_the_simulator_tells_whether_the_e_stop_holds(start):
         keyboard.wait_for(b"READY")
 
 
+def gaps(stamps):
+    """Times (s) from each to the next."""
+    return [after - before for before, after in zip(stamps, stamps[1:])]
+
+
 def median_period(stamps):
     """Time (s) from one command to the next, whatever held a few of them up."""
-    return statistics.median(after - before for before, after in zip(stamps, stamps[1:]))
+    return statistics.median(gaps(stamps))
 
 
 def assert_screen(shown):
