@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import json
-import time
 from urllib.parse import urlsplit
 
 import pytest
@@ -45,8 +44,30 @@ window.revive = () => {
 """
 """Lets a page's bridge hear nothing more of it, until its revive() ends that connection."""
 
-PATIENCE = 5.0
-"""Time (s) without any effect after which keys are pressed anew."""
+LET_GO = """
+window.letGo = 0;
+addEventListener("DOMContentLoaded", async () => {
+  const log = document.getElementById("log");
+  if (log === null) return;
+  const said = /released: |losgelassen: |relâché : |press it again/;
+  new MutationObserver((changes) => {
+    const lines = changes.flatMap(({addedNodes}) => [...addedNodes]);
+    window.letGo += lines.filter(({title}) => said.test(title)).length;
+  }).observe(log, {childList: true});
+  const {isStale, stoodStill} = await import("/js/deadman.js");
+  for (const kind of ["keydown", "pointerdown"]) {
+    addEventListener(kind, (event) => {
+      if (isStale(event) || stoodStill()) window.letGo += 1;
+    }, {capture: true});
+  }
+});
+"""
+"""Counts, in every page, what has to be pressed anew.
+
+That is whatever the page says that it has let go, or a node that it does not obey; the log's own
+count leaves out what is said again within a second. And it is what was pressed while the page stood
+still, of which the page says nothing.
+"""
 
 SHIFT = 8
 """Of the keys that are down while a mouse is used."""
@@ -107,15 +128,14 @@ class Element:
 
     def click(self):
         """Click with the mouse: on its middle, which nothing may hide once the page is laid out."""
-        seen = self.ask(MIDDLE)
+        x = y = hidden = None
 
         def uncovered():
-            nonlocal seen
-            seen = self.ask(MIDDLE)
-            return not seen[2]
+            nonlocal x, y, hidden
+            x, y, hidden = self.ask(MIDDLE)
+            return not hidden
 
-        wait_until(uncovered, lambda: f"to see {self._selector}, which is {seen[2]}", 5.0)
-        x, y, _ = seen
+        wait_until(uncovered, lambda: f"to see {self._selector}, which is {hidden}", 5.0)
         self._page.mouse("mouseMoved", x, y, buttons=0)
         self._page.mouse("mousePressed", x, y)
         self._page.mouse("mouseReleased", x, y, buttons=0)
@@ -184,6 +204,7 @@ class Page:
     def _start(self):
         self.browser = Chromium("about:blank", listens=True)
         self.browser.call("Page.enable")  # for scripts that run before the page's own
+        self.browser.call("Page.addScriptToEvaluateOnNewDocument", source=LET_GO)
 
     def start_again(self):
         """Take another browser for one that was killed."""
@@ -271,49 +292,53 @@ class Page:
             pass
 
     def hold_until(self, condition, *keys, anew=lambda: None):
-        """Hold keys until something is seen, as an operator: pressed anew where the page lets go.
-
-        On a busy machine it does, and says so, since it stood still or its commands came too late;
-        what it says twice within a moment counts once, so a press without effect is no other.
-
-        Parameters
-        ----------
-        condition
-            Of the last press only, where `anew` forgets what came before.
-        anew
-            Called between that release and the next press.
-        """
+        """Hold keys until something is seen, as `held_until` does, and let them go."""
         with self.held_until(condition, lambda: self.hold(*keys), anew):
             pass
 
     @contextlib.contextmanager
     def held_until(self, condition, hold, anew=lambda: None):
-        """Do so and go on while it is held; `hold` makes what holds it (a context manager)."""
+        """Hold something until something is seen, and on until the caller's block ends.
+
+        It is pressed anew only where the page lets go, as it does on a busy machine: a press that
+        has no effect fails.
+
+        Parameters
+        ----------
+        condition
+            What is to be seen while all is held: once the page has let go, it counts no more.
+        hold
+            Makes what holds it (a context manager).
+        anew
+            Called between the page's letting go and the next press: to forget what came before.
+        """
         with contextlib.ExitStack() as held:
 
             def press():
-                before = self._count_released()
+                before = self._count_let_go()
                 held.enter_context(hold())
-                return before, time.monotonic() + PATIENCE
+                return before
 
-            released, late = press()
+            before = press()
 
             def seen():
-                nonlocal released, late
+                nonlocal before
+                is_seen = False
                 with contextlib.suppress(LookupError):
-                    if condition():
-                        return True
-                if self._count_released() != released or time.monotonic() > late:
-                    held.close()
-                    anew()
-                    released, late = press()
+                    is_seen = condition()
+                # After the condition: what has let go until then may be what it saw.
+                if self._count_let_go() == before:
+                    return is_seen
+                held.close()
+                anew()
+                before = press()
                 return False
 
             wait_until(seen, lambda: f"what keys are held for; the log: {self.log()}", 20.0)
             yield
 
-    def _count_released(self):
-        return sum(count for said, count in self.log() if said.startswith("released: "))
+    def _count_let_go(self):
+        return self.script("return window.letGo")
 
     def log(self):
         """Return the lines of the log, newest first, and how often each was said."""

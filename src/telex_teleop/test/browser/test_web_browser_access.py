@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+
 import axe
 import pytest
 from console_page import page, robot, ros
@@ -279,12 +281,26 @@ def test_all_is_said_in_a_language_and_fits(robot, page, language):
 @pytest.mark.skipif(axe.lacking() != "", reason=axe.lacking())
 def test_another_language_changes_words_and_nothing_else(robot, page):
     tracks = "/telex/track_teleop/cmd_vel"
-    page.down("w")
-    wait_until(lambda: robot.heard(tracks))
-    speak(page, "fr")
-    before = len(robot.heard(tracks))
-    wait_until(lambda: len(robot.heard(tracks)) > before)  # it goes on driving
-    page.up("w")
+    before = 0
+
+    @contextlib.contextmanager
+    def hold_and_speak():
+        nonlocal before
+        with page.hold("w"):
+            speak(page, "fr")
+            before = len(robot.heard(tracks))
+            yield
+
+    def begin():
+        speak(page, "en")
+        robot.forget()
+
+    def goes_on():
+        told = robot.heard(tracks)
+        return len(told) > before + 20 and told[-1]["linear"]["x"] == 1.2
+
+    with page.held_until(goes_on, hold_and_speak, begin):
+        pass
     assert page.element("#estop").text.startswith("ARRÊT D\N{RIGHT SINGLE QUOTATION MARK}URGENCE")
     wait_until(lambda: "," in page.text("sim-speed"))
     assert axe.findings(page.script) == []

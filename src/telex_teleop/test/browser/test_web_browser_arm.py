@@ -159,7 +159,7 @@ def test_keys_of_the_arm_move_the_tool_in_cartesian_mode(arm, page, in_mode, key
 
 def test_joint_keys_without_meaning_for_the_tool_do_nothing(arm, page, in_mode):
     in_mode("CARTESIAN")
-    page.hold_until(lambda: len(arm.twists()) > 5, "p", "o")
+    page.hold_until(lambda: len(arm.twists()) > 5, "p", "o", anew=arm.forget)
     assert arm.probe.messages(ARM) == []
 
 
@@ -219,7 +219,7 @@ def test_two_poses_at_once_stand_still(arm, page, in_mode):
         return [message["data"] for message in arm.probe.messages(POSE)]
 
     in_mode("JOINT")
-    with page.held_until(lambda: "ready" in names(), lambda: page.hold("c")):
+    with page.held_until(lambda: "ready" in names(), lambda: page.hold("c"), anew=arm.forget):
         with page.hold("z"):
             wait_until(lambda: names()[-1] == "", timeout=10.0)
         wait_until(lambda: names()[-1] == "ready", timeout=10.0)

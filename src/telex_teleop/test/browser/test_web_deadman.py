@@ -60,6 +60,20 @@ def tracks(ros, robot, page):
     return tracks
 
 
+def driving(page, tracks):
+    """Hold the key that drives ahead: the tracks run before the caller's block begins."""
+    return page.held_until(
+        tracks.run, lambda: page.hold("w"), anew=lambda: wait_until(lambda: not tracks.run())
+    )
+
+
+def drive(page, tracks):
+    """Drive by a new press, and let go."""
+    with driving(page, tracks):
+        pass
+    wait_until(tracks.stand)
+
+
 def drives(page, tracks):
     with page.hold("w"), contextlib.suppress(AssertionError):
         wait_until(tracks.run, timeout=0.5)
@@ -93,8 +107,7 @@ def say_again(page):
 
 
 def test_a_page_that_was_stopped_moves_nothing_until_a_new_press(page, tracks):
-    with page.hold("w"):
-        wait_until(tracks.run)
+    with driving(page, tracks):
         # A press of now, which reaches the page when it is awake again.
         page.script("window.late = new KeyboardEvent('keydown', {code: 'KeyW'})")
         with stopped(page.browser.renderers()):
@@ -103,26 +116,27 @@ def test_a_page_that_was_stopped_moves_nothing_until_a_new_press(page, tracks):
         page.script("window.dispatchEvent(late)")
         say_again(page)
         assert tracks.stay()
-    assert drives(page, tracks)
+    drive(page, tracks)
 
 
 def test_a_browser_that_no_longer_hears_the_keyboard_stops(page, tracks):
     """The page runs on while the main process hangs, and would never learn that a key is let go."""
     main = page.browser.pid
-    with page.hold("w"):
-        wait_until(tracks.run)
+    with driving(page, tracks):
         with stopped([main]):
             wait_until(tracks.stand)
             assert tracks.stay()
         say_again(page)
         assert tracks.stay()
     assert "released: the browser does not answer" in page.element("#log").text
-    assert drives(page, tracks)
+    drive(page, tracks)
 
 
 def test_a_key_let_go_after_a_standstill_does_not_bring_back_the_other(robot, page, tracks):
-    with page.hold("w", "a"):
-        wait_until(tracks.run)
+    def turns():
+        return tracks.run() and robot.heard(DRIVE)[-1]["angular"]["z"] == 1.0
+
+    with page.held_until(turns, lambda: page.hold("w", "a"), anew=robot.forget):
         robot.probe.heard[DRIVE].clear()
         page.script("""
             const end = performance.now() + 600;
@@ -153,12 +167,11 @@ def test_commands_that_were_held_up_on_their_way_are_dropped(robot, page, tracks
         assert set(tracks.speeds()) <= {0.0}  # the end of what an earlier test drove
     finally:
         page.load()
-    wait_until(lambda: drives(page, tracks), timeout=10.0)
+    drive(page, tracks)
 
 
 def test_a_bridge_that_is_killed_stops_and_needs_a_new_press_when_it_is_back(ros, page, tracks):
-    with page.hold("w"):
-        wait_until(tracks.run)
+    with driving(page, tracks):
         ros.stop(ros.bridge, signal.SIGKILL)
         wait_until(tracks.stand)
         wait_until(lambda: page.attribute("link", "data-state") != "up")
@@ -166,16 +179,15 @@ def test_a_bridge_that_is_killed_stops_and_needs_a_new_press_when_it_is_back(ros
         wait_until(lambda: page.attribute("link", "data-state") == "up", timeout=30.0)
         say_again(page)
         assert tracks.stay()
-    wait_until(lambda: drives(page, tracks), timeout=10.0)
+    drive(page, tracks)
 
 
 def test_a_browser_that_is_killed_stops(page, tracks):
-    page.down("w")
-    wait_until(tracks.run)
-    try:
-        page.browser.kill()
-        wait_until(tracks.stand)
-        assert tracks.stay()
-    finally:
-        page.start_again()
-    wait_until(lambda: drives(page, tracks), timeout=10.0)
+    with driving(page, tracks):
+        try:
+            page.browser.kill()
+            wait_until(tracks.stand)
+            assert tracks.stay()
+        finally:
+            page.start_again()
+    drive(page, tracks)
