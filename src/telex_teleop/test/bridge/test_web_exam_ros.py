@@ -64,7 +64,7 @@ async def ask(socket, service, args=None):
 
 
 async def topics_of(socket, expected):
-    """Topics of both of which something comes, besides what was on its way.
+    """Return which of both topics the bridge lets through, besides what was on its way.
 
     Those that are expected are waited for, and so is the bridge's word that it has heard of both;
     another one then has a second.
