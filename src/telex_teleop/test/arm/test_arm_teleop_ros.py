@@ -273,17 +273,25 @@ class TestPose:
         arm.speed.publish(Float64(0.4))
         start = arm.tool
         goal = advanced(start, np.array([0.08, 0.06, 0.05, 0.0, 0.1, 0.1]))
+        line = goal[:3, 3] - start[:3, 3]
+
+        def share_of_the_way():
+            return (arm.tool - start)[:3, 3] @ line / (line @ line)
+
+        def moves_on():
+            (_, before), *_, (_, now) = arm.robot.history[-5:]
+            return share_of_the_way() > 0.35 and now != before
+
         begin = len(arm.robot.history)
-        with holding(arm.poses, pose_message(goal)):
-            time.sleep(0.8)
+        with held_until(moves_on, "the tool", arm.poses, pose_message(goal), arm.status):
+            pass
         halfway = arm.tool
         arm.robot.rest()
         rest = arm.tool
         assert 0.0 < np.linalg.norm(rest[:3, 3] - halfway[:3, 3]) < 0.2
         # at rest on the way, for the fake robot's joints move one after the other; exactly, and at
         # every tick: test_arm_tool_motion.py
-        line = goal[:3, 3] - start[:3, 3]
-        share = (rest - start)[:3, 3] @ line / (line @ line)
+        share = share_of_the_way()
         assert 0.2 < share < 0.8
         assert np.linalg.norm((rest - start)[:3, 3] - share * line) < 2e-3
         places = np.array(
