@@ -176,3 +176,22 @@ def test_a_robot_that_is_added_starts_beside_what_is_there():
     assert found["start/beside"] is True
     found = parameters(ROBOT, "simulator:=/telex", "x:=2", "yaw:=1.5", place="simulation")
     assert found["start/place"] == [2, 0.0, 0.0, 1.5]
+
+
+@pytest.mark.parametrize(
+    ("launch", "arguments", "topic"),
+    [
+        (OWN_ROBOT, [], "/tf"),
+        (ROBOT, [], "/tf"),
+        (ROBOT, ["tf:=/other/tf"], "/other/tf"),
+        (ROBOT, ["simulator:=/telex"], "/rover/tf"),
+        (ROBOT, ["simulator:=/telex", "ns:=/lab/rover"], "/lab/rover/tf"),
+        (ROBOT, ["simulator:=/telex", "tf:=/tf"], "/tf"),
+    ],
+)
+def test_frames_of_a_robot_beside_another_are_not_taken_for_that_ones(launch, arguments, topic):
+    nodes = {node.name: node for node in loaded(launch, *arguments).nodes}
+    remapped = dict(nodes["robot_state_publisher"].remap_args)
+    assert remapped.get("/tf", "/tf") == topic
+    assert remapped.get("/tf_static", "/tf_static") == f"{topic}_static"
+    assert "add_robot" not in nodes or not nodes["add_robot"].remap_args
