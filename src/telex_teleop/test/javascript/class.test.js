@@ -22,6 +22,7 @@ const settle = () => new Promise((resolve) => setImmediate(resolve));
 /** @param {string} path */
 function answerTo(path) {
   if (path.startsWith("api/open")) return { busy: {} };
+  if (path.startsWith("api/texts")) return { de: { "Mop the cellar": "Den Keller wischen", "wring the mop": "den Lappen auswringen", "bucket upset": "Eimer umgestoßen" } };
   if (!path.startsWith("api/state")) return [];
   return { stations: states.map((state, index) => ({ name: names?.[index] ?? `s${index}`, phase: "here", since: 0, age: 0, reason: "", state, last: null, picture: null, picture_age: null, order: null })) };
 }
@@ -36,6 +37,7 @@ async function load() {
   const location = { search: "?lang=en", href: "http://class/", origin: "http://class" };
   Object.assign(globalThis, {
     location,
+    history: { state: null, replaceState() {} },
     NodeFilter: { SHOW_TEXT: 4 },
     Option: FakeElement,
     document: {
@@ -113,4 +115,18 @@ test("what the class does not have any more since its server was started again l
   elements["order-form"].fire("submit");
   await settle();
   assert.deepEqual(sent.map(({ stations }) => stations), [{ right: "bob" }]);
+});
+
+test("what exercises say in other languages by their own files is said on the cards", async () => {
+  states = [{ ...RUNNING, title: "Mop the cellar", steps: ["wring the mop"], steps_done: [false], faults: ["bucket upset"] }];
+  names = ["cellar"];
+  await look();
+  const facts = () => elements.stations.children[0].children[4].children.map((/** @type {any} */ part) => part.textContent);
+  const about = (/** @type {string[]} */ words) => words.every((each) => facts().some((/** @type {string} */ fact) => fact.includes(each)));
+  assert.ok(about(["Mop the cellar", "wring the mop", "bucket upset"]), facts().join(" | "));
+  elements.language.fire("click");
+  await settle();
+  await look();
+  assert.equal(elements.language.textContent, "DE");
+  assert.ok(about(["Den Keller wischen", "den Lappen auswringen", "Eimer umgestoßen"]), facts().join(" | "));
 });

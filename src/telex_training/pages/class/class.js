@@ -2,7 +2,7 @@
 /** The page of a class: all stations, an exercise for several of them, and everybody's progress. */
 
 import { element } from "../elements.js";
-import { onLanguage, startLanguage, text, translated } from "../replay/language.js";
+import { bringTexts, onLanguage, startLanguage, text, translated } from "../replay/language.js";
 import { Card, orderText } from "./cards.js";
 
 /** @typedef {import("./cards.js").Station} Station */
@@ -262,6 +262,7 @@ onLanguage(showProgress);
 
 async function main() {
   startLanguage();
+  bringTexts(address("api/texts"));
   for (;;) {
     await look();
     await new Promise((resolve) => setTimeout(resolve, PERIOD));

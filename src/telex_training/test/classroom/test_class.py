@@ -43,6 +43,13 @@ RUNNING = {
     "steps_done": [True, False],
     "view": "turret",
 }
+LEAST = """
+scene: floor
+steps:
+  - {name: look up, until: {inside: {what: robot, zone: goal}}}
+zones:
+  goal: {center: [3, 0, 0], radius: 0.5}
+"""
 ENDED = {**RUNNING, "phase": "ended", "verdict": "passed"}
 
 
@@ -483,7 +490,13 @@ class TestWhoMayLook:
 
         async def check():
             async with classroom((station, ""), token="sesame") as browser:
-                for path in ("api/state", "api/exercises", "api/picture/s1", "station/s1"):
+                for path in (
+                    "api/state",
+                    "api/exercises",
+                    "api/texts",
+                    "api/picture/s1",
+                    "station/s1",
+                ):
                     for query in ("", "?role=instructor", "?token=wrong"):
                         address = f"{browser.url}/class/{path}{query}"
                         async with browser.http.get(address, allow_redirects=False) as reply:
@@ -527,5 +540,27 @@ class TestWhoMayLook:
                     offered = {each["name"]: each for each in await reply.json()}
                 assert offered["slalom"]["settings"][0] == "day"
                 assert offered["slalom"]["modes"] == ["practice", "exam"]
+
+        run(check())
+
+    def test_texts_of_own_exercises_of_this_machine_are_told(self, tmp_path, monkeypatch):
+        own = {
+            "cellar": "title: Mop the cellar\ntexts: {de: {Mop the cellar: Den Keller wischen}}",
+            "attic": "texts: {de: {look up: hochsehen}, fr: {look up: regarder}}",
+            "broken": "texts: {de: {go: los}, steps: 3}",
+        }
+        for name, more in own.items():
+            (tmp_path / f"{name}.yaml").write_text(LEAST + more, encoding="utf-8")
+        monkeypatch.setenv("TELEX_EXERCISE_PATH", str(tmp_path))
+        station = StandInStation([RUNNING])
+
+        async def check():
+            async with classroom((station, "")) as browser:
+                async with browser.http.get(f"{browser.url}/class/api/texts") as reply:
+                    told = await reply.json()
+                assert told == {
+                    "de": {"Mop the cellar": "Den Keller wischen", "look up": "hochsehen"},
+                    "fr": {"look up": "regarder"},
+                }
 
         run(check())

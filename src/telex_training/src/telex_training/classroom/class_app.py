@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 import time
 from pathlib import Path
-from typing import Any, AsyncIterator, Dict, List, Optional, Sequence
+from typing import Any, AsyncIterator, Dict, Iterator, List, Optional, Sequence, Tuple
 
 from aiohttp import web
 from yarl import URL
@@ -19,7 +19,7 @@ from telex_teleop.web.origins import origin_allowed
 from telex_teleop.web.tokens import MAX_NAME, ForbiddenError, Tokens, is_instructor
 
 from ..exercises.catalog import exercises
-from ..exercises.exercise_file import ExerciseError, load_exercise
+from ..exercises.exercise_file import ExerciseError, ExerciseFile, load_exercise
 from ..serving import aside, posted_object
 from .answers import merged
 from .order import Order
@@ -89,6 +89,7 @@ class ClassApp:
         router.add_get(f"{PREFIX}/api/state", self._state)
         router.add_get(f"{PREFIX}/api/picture/{{station}}", self._picture)
         router.add_get(f"{PREFIX}/api/exercises", self._exercises)
+        router.add_get(f"{PREFIX}/api/texts", self._texts)
         router.add_get(f"{PREFIX}/api/progress", self._progress)
         router.add_post(f"{PREFIX}/api/open", self._open)
         router.add_post(f"{PREFIX}/api/help/{{station}}", self._end_help)
@@ -148,6 +149,9 @@ class ClassApp:
 
     async def _exercises(self, _request: web.Request) -> web.Response:
         return web.json_response(await aside(_offered))
+
+    async def _texts(self, _request: web.Request) -> web.Response:
+        return web.json_response(await aside(_own_texts))
 
     async def _progress(self, _request: web.Request) -> web.Response:
         """Ask all stations at once where people stand; who does not answer is named."""
@@ -212,23 +216,35 @@ class ClassApp:
         raise web.HTTPFound(URL(f"{station.address}/instructor").with_query(query))
 
 
-def _offered() -> List[Dict[str, Any]]:
-    """Exercises of this machine; a station that lacks one says so."""
-    offered = []
+def _exercise_files() -> Iterator[Tuple[str, ExerciseFile]]:
+    """Exercises of this machine, with their names."""
     for name, path in exercises().items():
         try:
-            file = load_exercise(path)
+            yield name, load_exercise(path)
         except ExerciseError:
             continue  # it could be opened nowhere
-        offered.append(
-            {
-                "name": name,
-                "title": file.first.title,
-                "settings": list(file.settings),
-                "modes": list(file.first.modes),
-            }
-        )
-    return offered
+
+
+def _offered() -> List[Dict[str, Any]]:
+    """Exercises of this machine; a station that lacks one says so."""
+    return [
+        {
+            "name": name,
+            "title": file.first.title,
+            "settings": list(file.settings),
+            "modes": list(file.first.modes),
+        }
+        for name, file in _exercise_files()
+    ]
+
+
+def _own_texts() -> Dict[str, Dict[str, str]]:
+    """What exercises of this machine say in other languages by their own files."""
+    made: Dict[str, Dict[str, str]] = {}
+    for _, file in _exercise_files():
+        for language, table in file.texts.items():
+            made.setdefault(language, {}).update(table)
+    return made
 
 
 async def _to_page(request: web.Request) -> web.Response:
