@@ -18,6 +18,7 @@ import { MalfunctionPanel } from "./instructor/malfunction_panel.js";
 import { RobotsPanel } from "./instructor/robots_panel.js";
 import { listenToTabs } from "./instructor/tabs.js";
 import { TraineeCard } from "./instructor/trainee_card.js";
+import { showTrials } from "./instructor/trials.js";
 import { text, translated } from "./language.js";
 import { startLanguage } from "./language/page.js";
 import { Line, LINK_STATE } from "./line.js";
@@ -110,11 +111,11 @@ async function start() {
   const training = new TrainingClient(robot);
   const strip = new TrainingStrip(training, given, () => {}); // nothing is held here
   const exercises = new ExercisePanel(training, given, () => roster.drivers, log);
-  const examList = new ExamList(robot);
+  const robots = new RobotsPanel(config, given, (sentence, level) => status.log(sentence, level));
+  const examList = new ExamList(robot, () => robots.endExam());
   const linePanel = new LinePanel(robot);
   const malfunctions = new MalfunctionPanel(robot);
-  const bookmarks = new InstructorBookmarks(robot);
-  const robots = new RobotsPanel(config, given, (sentence, level) => status.log(sentence, level));
+  const bookmarks = new InstructorBookmarks(robot, robots.first(config));
   const overview = new OverviewControl(bridge, topic, () => cameras.main.camera);
   const light = new LightPanel(vocabulary, robot);
   const trainee = new TraineeCard(vocabulary, robot, given.get("name") ?? "");
@@ -198,14 +199,7 @@ async function start() {
   malfunctions.subscribe();
   light.subscribe();
   trainee.subscribe();
-  training.subscribe((state) => {
-    strip.show(state);
-    exercises.show(state);
-    examList.hear(state);
-    malfunctions.show(state);
-    bookmarks.show(state);
-    arranging.show(state);
-  });
+  showTrials(training, config, { strip, exercises, malfunctions, examList, bookmarks, arranging });
 
   const display = () => {
     status.showLink(bridge, line);

@@ -9,9 +9,13 @@ import { BEGUN } from "../training/client.js";
 
 /** A line of the exercise's card, which is there while the list holds. */
 export class ExamList {
-  /** @param {import("../robot_client.js").RobotClient} robot */
-  constructor(robot) {
+  /**
+   * @param {import("../robot_client.js").RobotClient} robot
+   * @param {() => Promise<boolean>} [endElsewhere]  Ends it at other robots' bridges, and tells whether none holds there any more.
+   */
+  constructor(robot, endElsewhere = async () => true) {
     this._robot = robot;
+    this._endElsewhere = endElsewhere;
     this._holdsFor = "";
     this._runs = false;
     onClick(byId("exam-end"), () => this._end());
@@ -24,7 +28,7 @@ export class ExamList {
     });
   }
 
-  /** Hear of the trial that runs. @param {import("../training/client.js").State} state */
+  /** Hear of the trial that runs, whichever robot does it. @param {import("../training/client.js").State} state */
   hear({ trial, phase }) {
     this._runs = BEGUN.includes(phase) && trial === this._holdsFor;
     this._show();
@@ -38,7 +42,10 @@ export class ExamList {
   async _end() {
     const sentence = this._runs ? text("End the exam's list? The trial that runs becomes invalid.") : text("End the exam's list? Trainees may use everything again.");
     if (!(await ask(sentence, text("end the list")))) return;
-    const ended = await this._robot.request("bridge/end_exam", {}, (why) => text("exam: {why}", { why }));
-    if (ended) this._robot.log(text("the exam's list is ended"));
+    const [here, elsewhere] = await Promise.all([
+      this._robot.request("bridge/end_exam", {}, (why) => text("exam: {why}", { why })),
+      this._endElsewhere(),
+    ]);
+    if (here && elsewhere) this._robot.log(text("the exam's list is ended"));
   }
 }

@@ -1,5 +1,5 @@
 // @ts-check
-/** The other robots of the scene: who has control, and their emergency stops; one press stops them all. */
+/** The other robots of the scene: who has control, their emergency stops, and the exam's list at their bridges. */
 
 import { Bridge } from "../bridge.js";
 import { makeButton } from "../buttons.js";
@@ -8,6 +8,7 @@ import { EmergencyStop } from "../emergency_stop.js";
 import { text, translated } from "../language.js";
 import { byId, element, setText } from "../panels.js";
 import { TYPES } from "../robot.js";
+import { RobotClient } from "../robot_client.js";
 import { robotOf } from "../several_robots.js";
 
 /** One of them: a line of the card, and a connection to its bridge. */
@@ -18,8 +19,11 @@ class OtherRobot {
    * @param {(sentence: string, level?: "info" | "warning" | "alarm") => void} log
    */
   constructor(name, given, log) {
+    this.name = name;
     this._estopped = false;
     this._driver = "";
+    /** Trial for which an exam's list was last said to hold there; empty: none. */
+    this._exam = "";
     const asked = new URLSearchParams(given);
     asked.set("robot", name);
     this.row = element("li", "", "");
@@ -46,6 +50,12 @@ class OtherRobot {
     });
     this.estop = new EmergencyStop(this._bridge, `/${name}/e_stop`, (sentence) => log(`${name}: ${sentence}`, "alarm"));
     this.estop.advertise();
+    this.client = new RobotClient(
+      this._bridge, (each) => `/${name}/${each}`, (sentence) => log(`${name}: ${sentence}`), (sentence) => log(`${name}: ${sentence}`, "warning"),
+    );
+    this.client.subscribe("bridge/exam", "std_msgs/String", ({ data }) => {
+      this._exam = data;
+    });
     this._bridge.subscribe({
       topic: `/${name}/sim/status`, type: TYPES.simStatus, throttle: 0, heard: (status) => {
         this.estop.hear(status);
@@ -62,6 +72,12 @@ class OtherRobot {
     });
     this._show();
     this._bridge.start();
+  }
+
+  /** End an exam's list where one holds. @returns {Promise<boolean>} Whether none holds any more, as far as is known. */
+  async endExam() {
+    if (this._exam === "") return true;
+    return (await this.client.request("bridge/end_exam", {}, (why) => text("exam: {why}", { why }))) !== null;
   }
 
   _show() {
@@ -89,5 +105,19 @@ export class RobotsPanel {
   /** Stop the other robots as well. */
   stopAll() {
     for (const other of this._others) other.estop.set(true);
+  }
+
+  /** End an exam's list at their bridges. @returns {Promise<boolean>} Whether none holds any more, as far as is known. */
+  async endExam() {
+    return (await Promise.all(this._others.map((other) => other.endExam()))).every(Boolean);
+  }
+
+  /**
+   * The first robot, in whose namespace the simulator is.
+   * @param {import("../config.js").Config} config
+   * @returns {RobotClient | undefined} Undefined: it is the one that the page shows.
+   */
+  first({ simulator = "" }) {
+    return this._others.find(({ name }) => `/${name}` === simulator)?.client;
   }
 }

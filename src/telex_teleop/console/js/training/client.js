@@ -65,11 +65,14 @@ export class TrainingClient {
     this._robot = robot;
   }
 
-  /** @param {(state: State) => void} heard */
-  subscribe(heard) {
+  /**
+   * @param {(state: State) => void} heard
+   * @param {string} [topic]  Global; left out: what the shown robot is told.
+   */
+  subscribe(heard, topic = this._robot.topic("training/state")) {
     /** @type {State | null} */
     let last = null;
-    this._robot.subscribe("training/state", TYPES.state, (state) => heard(last = state), 100);
+    this._robot.bridge.subscribe({ topic, type: TYPES.state, throttle: 100, heard: (state) => heard(last = state) });
     onLanguage(() => last !== null && heard(last));
   }
 

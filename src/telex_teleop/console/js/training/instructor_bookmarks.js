@@ -11,9 +11,13 @@ import { BEGUN } from "./client.js";
 const LONGEST = 60; // characters of a name
 
 export class InstructorBookmarks {
-  /** @param {import("../robot_client.js").RobotClient} robot */
-  constructor(robot) {
+  /**
+   * @param {import("../robot_client.js").RobotClient} robot
+   * @param {import("../robot_client.js").RobotClient} [first]  The first robot, whose exercises those for one robot are.
+   */
+  constructor(robot, first = robot) {
     this._robot = robot;
+    this._first = first;
     /** The simulator's, oldest first. @type {string[]} */
     this._there = [];
     /** @type {State | null} */
@@ -95,7 +99,8 @@ export class InstructorBookmarks {
    * @param {object} fields
    */
   _call(service, fields) {
-    return this._robot.request(service, fields, (why) => `${service}: ${why}`);
+    const robot = service.startsWith("training/") ? this._first : this._robot;
+    return robot.request(service, fields, (why) => `${service}: ${why}`);
   }
 }
 
