@@ -7,11 +7,13 @@ import contextlib
 import time
 from pathlib import Path
 from types import SimpleNamespace
+from urllib.parse import quote
 
 import aiohttp
 import pytest
 from aiohttp import web
 from waiting import wait_until_async
+from yarl import URL
 
 from telex_experiments.classroom.stand_in_station import StandInStation
 from telex_teleop.web.listening import bind, serve, url_of
@@ -112,7 +114,7 @@ class Browser:
         raise AssertionError(stations)
 
     async def send(self, path, content, **headers):
-        address = f"{self.url}/class/api/{path}"
+        address = URL(f"{self.url}/class/api/{path}", encoded=True)
         async with self.http.post(address, json=content, headers=headers) as reply:
             return reply.status, await reply.text()
 
@@ -359,6 +361,31 @@ class TestStations:
                 made = ClassStation("s1", station.address, str(file), "open")
                 async with served([made]) as browser:
                     await renew(browser)
+
+        run(check())
+
+    def test_letters_of_any_script_name_one_in_all_addresses(self):
+        name = "Prüfstand 1 स्टेशन"
+        station = StandInStation([{**RUNNING, "help": 3.0}], picture=b"\xff\xd8")
+
+        async def check():
+            async with station.served(), served([ClassStation(name, station.address)]) as browser:
+                await ask(browser)
+
+        async def ask(browser):
+            (seen,) = await browser.until(lambda a: here(a) and a.picture, True)
+            assert seen.name == name
+            # As the page's encodeURIComponent has it.
+            part = quote(name, safe="")
+            for path, status in ((f"api/picture/{part}", 200), (f"station/{part}", 302)):
+                address = URL(f"{browser.url}/class/{path}", encoded=True)
+                async with browser.http.get(address, allow_redirects=False) as reply:
+                    assert reply.status == status
+            assert (await browser.send(f"help/{part}", {}))[0] == 202
+            await browser.until(lambda a: a.order["done"])
+            content = {"exercise": "gap", "stations": {name: "ann"}}
+            assert (await browser.send("open", content))[0] == 202
+            await wait_until_async(lambda: len(station.sent) == 2)
 
         run(check())
 

@@ -25,7 +25,7 @@ def folder(tmp_path):
 
 def load(folder, text):
     path = folder / "stations.yaml"
-    path.write_text(text)
+    path.write_text(text, encoding="utf-8")
     return load_stations(path)
 
 
@@ -42,6 +42,24 @@ def station(**changes):
 
 
 @pytest.mark.parametrize(
+    "name",
+    [
+        "Prüfstand 1",
+        "Pru\u0308fstand",  # a mark behind its letter
+        "Élève_2",
+        "станция 3",
+        "第一組",
+        "स्टेशन",
+        "9",
+        "x.-_",
+        "ü" * 40,
+    ],
+)
+def test_a_name_has_letters_of_any_script(folder, name):
+    assert load(folder, station(name=f"'{name}'"))[0].name == name
+
+
+@pytest.mark.parametrize(
     ("text", "message"),
     [
         ("[]", "a struct with the key 'stations' is needed"),
@@ -51,6 +69,27 @@ def station(**changes):
         (station(token="sesame"), "stations[0]/token is unknown; known are address, name"),
         (station(name="''"), "stations[0]: name is ''; 1 to 40 letters"),
         (station(name="a/b"), "name is 'a/b'; 1 to 40 letters"),
+        *(
+            (station(name=f'"{name}"'), "1 to 40 letters, digits, spaces and _ . - are possible")
+            for name in (
+                "ü" * 41,
+                "ü ",
+                " ü",
+                "..",
+                "_a",
+                "\u0308u",
+                "a\\tb",
+                "a\\x07b",
+                "a\u00a0b",
+                "a\u200bb",
+                "a\u202eb",
+                "a\\\\b",
+                "ü?",
+                "<b>",
+                "a%2Fb",
+                "🙂",
+            )
+        ),
         (station(name="3"), "stations[0]/name is 3; a string is needed"),
         (station(address="127.0.0.1:8080"), "address is '127.0.0.1:8080'; http://HOST:PORT is"),
         (station(address="'http://127.0.0.1:8080/'"), "and nothing after it"),

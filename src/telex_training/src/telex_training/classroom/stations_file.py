@@ -6,7 +6,7 @@ docs/instructor/class.md describes the keys.
 from __future__ import annotations
 
 import os
-import re
+import unicodedata
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Mapping, Tuple
@@ -22,7 +22,9 @@ from ..exercises.yaml_parts import structs_of
 
 MOST_BYTES = 100_000
 """A longer file is refused before it is read."""
-_NAME = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9 _.-]{0,38}[A-Za-z0-9_.-])?")
+_MOST_LETTERS = 40
+_LETTER, _MARK, _DIGIT = "L", "M", "N"
+"""Categories of characters; in some scripts vowels and accents are marks behind a letter."""
 
 
 class StationsError(ValueError):
@@ -52,14 +54,26 @@ class ClassStation:
 
     def __post_init__(self) -> None:
         require(
-            _NAME.fullmatch(self.name) is not None,
-            f"name is {self.name[:60]!r}; 1 to 40 letters, digits, spaces and _ . - are possible, "
-            "without a space at its ends",
+            _is_name(self.name),
+            f"name is {self.name[:60]!r}; 1 to {_MOST_LETTERS} letters, digits, spaces and _ . - "
+            "are possible, with a letter or digit first and no space at the end",
         )
         require(
             _is_address(self.address),
             f"address is {self.address[:80]!r}; http://HOST:PORT is needed, and nothing after it",
         )
+
+
+def _is_name(text: str) -> bool:
+    kinds = [unicodedata.category(each)[0] for each in text]
+    return (
+        0 < len(text) <= _MOST_LETTERS
+        and kinds[0] in (_LETTER, _DIGIT)
+        and not text.endswith(" ")
+        and all(
+            kind in (_LETTER, _MARK, _DIGIT) or each in " _.-" for each, kind in zip(text, kinds)
+        )
+    )
 
 
 def _is_address(text: str) -> bool:
