@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import xmlrpc.client
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 import rosgraph
@@ -169,3 +170,47 @@ def test_the_master_is_seldom_asked_which_nodes_there_are():
     found.append(watch._missing())
     assert found == [[]] * LOOKS_PER_LIST + [["/telex/a"], []]
     assert len(asked) == 2
+
+
+class SecondRobot(FakeRos):
+    """As a further robot's bridge sees the master."""
+
+    def resolve(self, name):
+        return super().resolve(name).replace("/telex/", "/telex_b/")
+
+    def advertise(self, topic, message_class, **options):
+        return super().advertise(topic.replace("/telex_b/", "/telex/"), message_class, **options)
+
+    def nodes(self):
+        names = ("arm_teleop", "cameras", "rosbridge", "simulator", "video_server")
+        return [*(f"/telex/{name}" for name in names), "/telex_b/arm_teleop"]
+
+
+@on_loop
+async def test_a_further_robot_is_told_of_the_nodes_that_serve_all():
+    ros = SecondRobot()
+    ros.crashed.update(ros.nodes())
+    config = RosbridgeConfig(simulator="/telex")
+    async with served(Rosbridge(config, ros, lambda sentence: None).make_app(), "ws"):
+        await wait_until_async(lambda: ros.missing)
+        serving = ["/telex/cameras", "/telex/simulator", "/telex/video_server"]
+        assert ros.missing == [[*serving, "/telex_b/arm_teleop"]]
+
+
+def test_a_simulator_in_no_namespace_serves_a_further_robot_as_well():
+    ros = SecondRobot()
+    ros.nodes = lambda: ["/arm_teleop", "/simulator", "/telex_b/arm_teleop"]
+    ros.crashed.update(ros.nodes())
+    watch = NodeWatch(ros, None, OtherRobots("/telex_b/"), "/")
+    assert watch._missing() == ["/simulator", "/telex_b/arm_teleop"]
+
+
+def test_a_further_robots_bridge_is_told_where_they_are():
+    """After the bridge's own file, whose default would count else."""
+    group = ElementTree.parse(PACKAGE / "launch" / "further_robot.launch").find("group")
+    bridge, told = (
+        next(at for at, each in enumerate(group) if part in ElementTree.tostring(each, "unicode"))
+        for part in ("/launch/console.launch", 'name="rosbridge/simulator"')
+    )
+    assert bridge < told
+    assert "arg('simulator')" in group[told].get("value")

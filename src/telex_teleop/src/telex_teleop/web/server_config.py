@@ -129,6 +129,7 @@ class RosbridgeConfig(Declared):
     max_in_flight: int = number(32768, "", 0, 16777216)
     link: str = word("perfect")
     link_profiles: str = ""
+    simulator: str = ""
 
     def check(self) -> None:
         """Check what concerns several of them; see `Declared.check`."""

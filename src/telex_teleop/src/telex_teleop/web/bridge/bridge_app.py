@@ -68,7 +68,9 @@ class Rosbridge:
         )
         self._exam_watch = ExamWatch(self.shared, warn)
         self._roster = Roster(self.shared.control, self.shared.publishers, ros)
-        self._node_watch = NodeWatch(ros, self.shared.publishers, self.shared.other_robots)
+        self._node_watch = NodeWatch(
+            ros, self.shared.publishers, self.shared.other_robots, config.simulator
+        )
         profiles = Profiles.read(config.link_profiles)
         recalled = {} if memory is None else memory.recall()
         self._link = LinkService(

@@ -29,6 +29,9 @@ names every topic and service."""
 
 _MISSING_NODES = "bridge/missing_nodes"
 
+_SHARED_NODES = ("simulator", "cameras", "video_server")
+"""Nodes beside the simulator that serve all robots."""
+
 
 class Roster:
     """Publishes `bridge/clients` on every change and once a second, latched."""
@@ -77,7 +80,7 @@ def _entry(member: Member, holder: Optional[Member]) -> BridgeClient:
 
 
 class NodeWatch:
-    """Publishes which nodes of the namespace cannot be reached, and finds other robots.
+    """Publishes which of the robot's nodes cannot be reached, and finds other robots.
 
     A node that has ended in order has told the master so and is not missed; one that has crashed is
     still known to it, and does not answer. The list is published as `bridge/missing_nodes` when it
@@ -87,14 +90,24 @@ class NodeWatch:
     ----------
     other_robots
         Told of all services, by which it knows the robots that there are.
+    simulator
+        Namespace in which nodes serve this robot as well; empty: none but its own.
     """
 
-    def __init__(self, ros: Ros, publishers: Publishers, other_robots: OtherRobots) -> None:
+    def __init__(
+        self,
+        ros: Ros,
+        publishers: Publishers,
+        other_robots: OtherRobots,
+        simulator: str = "",
+    ) -> None:
         self._ros = ros
         self._other_robots = other_robots
         self._publishers = publishers
         self._topic = ros.resolve(_MISSING_NODES)
         self._namespace = self._topic[: -len(_MISSING_NODES)]
+        names = _SHARED_NODES if simulator else ()
+        self._shared = {f"{simulator.rstrip('/')}/{name}" for name in names}
         self._nodes: List[str] = []
         self._services: List[str] = []
         self._looks = 0
@@ -121,10 +134,13 @@ class NodeWatch:
     def _missing(self) -> List[str]:
         """Return the nodes that do not answer; blocks."""
         if self._looks % LOOKS_PER_LIST == 0:
-            self._nodes = [node for node in self._ros.nodes() if node.startswith(self._namespace)]
+            self._nodes = [node for node in self._ros.nodes() if self._serves(node)]
             self._services = self._ros.services()
         self._looks += 1
         return [node for node in self._nodes if not self._answers(node)]
+
+    def _serves(self, node: str) -> bool:
+        return node.startswith(self._namespace) or node in self._shared
 
     def _answers(self, node: str) -> bool:
         try:
