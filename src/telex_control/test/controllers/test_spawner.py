@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
+import time
 from types import SimpleNamespace
 
 import pytest
@@ -212,6 +213,97 @@ def test_another_manager_is_one_at_another_address(spawner, monkeypatch):
     assert list(seen) == []
     monkeypatch.setattr(rospy, "is_shutdown", lambda: True)
     assert not tested.wait_for_another_manager("rosrpc://a:2")
+
+
+class ListingManager:
+    """A manager that gives one list after the other, the last of them again and again."""
+
+    prefix = "controller_manager"
+
+    def __init__(self, *lists):
+        self.lists, self.asked = lists, 0
+
+    def list_controllers(self):
+        listed = self.lists[min(self.asked, len(self.lists) - 1)]
+        self.asked += 1
+        if isinstance(listed, Exception):
+            raise listed
+        return [SimpleNamespace(name=name, state="running") for name in listed]
+
+
+@pytest.fixture
+def watching(spawner, monkeypatch):
+    """Watch a manager whose address stays the same until it was asked for its list often enough."""
+    monkeypatch.setattr("telex_control.command_lines.spawner._WATCH_PERIOD", 0.001)
+    monkeypatch.setattr("telex_control.command_lines.spawner._LIST_PERIOD", 0.0)
+    monkeypatch.setattr(rospy, "logwarn", lambda text, *args: None)
+
+    def watch(manager, address="rosrpc://a:1", patience=5.0):
+        tested = spawner()
+        tested._client, tested._loaded = manager, ["states", "elbow"]
+        end = time.monotonic() + patience
+        monkeypatch.setattr(
+            rospy, "is_shutdown", lambda: manager.asked >= 6 or time.monotonic() > end
+        )
+        monkeypatch.setattr(tested, "manager_address", lambda: address)
+        return tested.wait_for_another_manager("rosrpc://a:1")
+
+    return watch
+
+
+@pytest.mark.parametrize("lists", [([],), (["states"], ["foreign"])])
+def test_a_manager_that_has_none_of_ours_any_more_is_another_one(watching, lists):
+    assert watching(ListingManager(*lists))
+
+
+@pytest.mark.parametrize(
+    "lists",
+    [
+        (["elbow", "foreign"],),
+        # Libraries are being reloaded, and all is loaded again.
+        (["elbow"], [], ["states", "elbow"]),
+        (rospy.ServiceException("it has gone"),),
+        (rospy.ROSInterruptException("shut down"),),
+    ],
+)
+def test_one_that_has_some_of_ours_or_does_not_answer_is_the_same(watching, lists):
+    manager = ListingManager(*lists)
+    assert not watching(manager)
+    assert manager.asked >= 6
+
+
+def test_without_an_address_nobody_is_asked(watching):
+    manager = ListingManager([])
+    assert not watching(manager, address=None, patience=0.1)
+    assert manager.asked == 0
+
+
+def test_another_manager_is_seen_while_the_former_one_does_not_answer(spawner, monkeypatch):
+    monkeypatch.setattr("telex_control.command_lines.spawner._WATCH_PERIOD", 0.001)
+    monkeypatch.setattr("telex_control.command_lines.spawner._LIST_PERIOD", 0.0)
+    asked, end = threading.Event(), threading.Event()
+
+    class Hanging:
+        prefix = "controller_manager"
+
+        def list_controllers(self):
+            asked.set()
+            assert end.wait(30.0)
+            return []
+
+    tested = spawner()
+    tested._client, tested._loaded = Hanging(), ["elbow"]
+    monkeypatch.setattr(
+        tested, "manager_address", lambda: "rosrpc://a:2" if asked.is_set() else "rosrpc://a:1"
+    )
+    give_up = time.monotonic() + 5.0
+    monkeypatch.setattr(rospy, "is_shutdown", lambda: time.monotonic() > give_up)
+    monkeypatch.setattr(rospy, "logwarn", lambda text, *args: None)
+    try:
+        assert tested.wait_for_another_manager("rosrpc://a:1")
+        assert asked.is_set()
+    finally:
+        end.set()
 
 
 def test_what_another_manager_has_of_ours_is_unloaded_before_it_is_loaded_anew(

@@ -7,10 +7,11 @@ The command line is that of ros_control's ``spawner``; ``--optional``, ``--optio
 from __future__ import annotations
 
 import argparse
+import contextlib
 import os
 import threading
 import time
-from typing import Any, Callable, Collection, Dict, List, Optional, Tuple
+from typing import Any, Callable, Collection, Dict, List, Optional, Set, Tuple
 from xmlrpc.client import MAXINT, MININT
 
 import rosparam  # noqa: F401
@@ -28,6 +29,14 @@ from .last_calls import call_at_the_end, manager_address
 
 _WATCH_PERIOD = 0.5
 """Wall time (s) between two checks whether the manager has been replaced."""
+
+_LIST_PERIOD = 2.0
+"""Wall time (s) from an answer of the manager to the next question what it has."""
+
+_EMPTY_LISTS = 2
+"""Lists without any of ours, one after the other, by which the manager has lost them. A single one
+may fall between unloading and loading by ``reload-libraries --restore``, or into the removal of the
+robot."""
 
 
 class SpawnerError(Exception):
@@ -74,8 +83,8 @@ def parse(arguments: List[str]) -> argparse.Namespace:
     parser.add_argument(
         "--watch",
         action="store_true",
-        help="load and start them again whenever the manager has been started again, and take over "
-        "what is loaded already",
+        help="load and start them again whenever the manager has been started again, or has none "
+        "of them any more, and take over what is loaded already",
     )
     parser.add_argument("--stopped", action="store_true", help="load only, do not start")
     parser.add_argument(
@@ -212,6 +221,33 @@ def without_conflict(
     return chosen, left
 
 
+class _Inventory:
+    """Asks a manager now and then what it has, while others go on: it may never answer."""
+
+    def __init__(self, client: ControllerManagerClient) -> None:
+        self._client = client
+        self._asking: Optional[threading.Thread] = None
+        self._ask_at = time.monotonic() + _LIST_PERIOD
+        self._answer: Optional[Set[str]] = None
+
+    def news(self) -> Optional[Set[str]]:
+        """Names of all that is loaded, once for each answer; None: there is no new one."""
+        if self._asking is None:
+            if time.monotonic() >= self._ask_at:
+                self._asking = threading.Thread(target=self._ask, daemon=True)
+                self._asking.start()
+            return None
+        if self._asking.is_alive():
+            return None
+        self._asking, self._ask_at = None, time.monotonic() + _LIST_PERIOD
+        answer, self._answer = self._answer, None
+        return answer
+
+    def _ask(self) -> None:
+        with contextlib.suppress(rospy.ServiceException, rospy.ROSException):
+            self._answer = {each.name for each in self._client.list_controllers()}
+
+
 class Spawner:
     """Brings a group of controllers up and down.
 
@@ -342,12 +378,34 @@ class Spawner:
         return manager_address(self._client.prefix)
 
     def wait_for_another_manager(self, address: Optional[str]) -> bool:
-        """Wait until the manager's address is another one; False when this node is shut down."""
+        """Wait until the manager is another one; False when this node is shut down.
+
+        That is one at another address, or one that has nothing of ours any more: a robot that was
+        taken out and added again has a new one in the same process.
+
+        Parameters
+        ----------
+        address : str, optional
+            Of the former one; without it, any manager is another one.
+        """
+        inventory, empty = _Inventory(self._client), 0
         while not rospy.is_shutdown():
-            if self.manager_address() not in (None, address):
-                return True
             # Sim time may stand still.
             time.sleep(_WATCH_PERIOD)
+            now = self.manager_address()
+            if now not in (None, address):
+                rospy.logwarn("Controller Spawner: the controller manager has been started again")
+                return True
+            # Without an address there is nobody to ask; without an answer nobody knows.
+            names = inventory.news() if now is not None and self._loaded else None
+            if names is not None:
+                empty = empty + 1 if names.isdisjoint(self._loaded) else 0
+            if empty == _EMPTY_LISTS:
+                rospy.logwarn(
+                    "Controller Spawner: the controller manager has none of %s any more",
+                    ", ".join(self._loaded),
+                )
+                return True
         return False
 
     def clear(self) -> None:
@@ -512,7 +570,6 @@ def main() -> None:
             return 0
         while spawner.wait_for_another_manager(address):
             address = spawner.manager_address()
-            rospy.logwarn("Controller Spawner: the controller manager has been started again")
             try:
                 spawner.wait_for_manager(None)
                 spawner.clear()
@@ -521,6 +578,8 @@ def main() -> None:
                     spawner.start(options.optional_stopped, options.start)
             except rospy.ServiceException as error:
                 rospy.logwarn("Controller Spawner: the manager has gone once more: %s", error)
+                # Whoever comes has nothing of ours, also at the same address.
+                address = None
         return 0
 
     program.run("spawner", work)
