@@ -40,6 +40,7 @@ SPEAKERS = (
     "telex_training/src/telex_training/ros/texts.py",
     "telex_training/src/telex_training/ros/training_node.py",
     "telex_training/src/telex_training/ros/trial/bookmarks.py",
+    "telex_training/src/telex_training/ros/trial/team.py",
     "telex_sim/src/telex_sim/ros/arranging.py",
     "telex_sim/src/telex_sim/ros/simulator_node.py",
     "telex_teleop/src/telex_teleop/arm/arm_teleop.py",

@@ -618,6 +618,9 @@ export const DE = {
   "name is '{name}'; that is a robot, which cannot be moved so": "„{name}“ ist ein Roboter, der sich so nicht versetzen lässt",
   // training: what it does not do
   "{title} is an exercise for one robot, the first one's": "{title} ist eine Übung für einen Roboter, den ersten",
+  "{title} is an exercise for the station's first {count} robots": "{title} ist eine Übung für die ersten {count} Roboter der Station",
+  "{title} is open at the first robot for {name}": "{title} ist am ersten Roboter für {name} geöffnet",
+  "until it has ended, another one can be opened there alone": "bis zu ihrem Ende lässt sich eine andere nur dort öffnen",
   "opened: {title}": "geöffnet: {title}",
   "the trial is {phase}; it can be started once": "der Versuch ist schon gestartet ({phase})",
   "the trial cannot be recorded: {why}": "der Versuch kann nicht aufgezeichnet werden: {why}",

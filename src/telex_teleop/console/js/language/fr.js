@@ -618,6 +618,9 @@ export const FR = {
   "name is '{name}'; that is a robot, which cannot be moved so": "« {name} » est un robot, qui ne se déplace pas ainsi",
   // training: what it does not do
   "{title} is an exercise for one robot, the first one's": "{title} est un exercice pour un seul robot, le premier",
+  "{title} is an exercise for the station's first {count} robots": "{title} est un exercice pour les {count} premiers robots du poste",
+  "{title} is open at the first robot for {name}": "{title} est ouvert au premier robot pour {name}",
+  "until it has ended, another one can be opened there alone": "jusqu’à sa fin, un autre ne peut être ouvert que là",
   "opened: {title}": "ouvert : {title}",
   "the trial is {phase}; it can be started once": "l’essai a déjà été démarré ({phase})",
   "the trial cannot be recorded: {why}": "l’essai ne peut pas être enregistré : {why}",

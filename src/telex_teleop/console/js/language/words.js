@@ -150,6 +150,9 @@ export const WORDS = [
   "name is '{name}'; that is a robot, which cannot be moved so",
   // training: what it does not do
   "{title} is an exercise for one robot, the first one's",
+  "{title} is an exercise for the station's first {count} robots",
+  "{title} is open at the first robot for {name}",
+  "until it has ended, another one can be opened there alone",
   "opened: {title}",
   "the trial is {phase}; it can be started once",
   "the trial cannot be recorded: {why}",
