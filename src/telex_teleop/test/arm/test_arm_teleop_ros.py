@@ -271,9 +271,13 @@ class TestPose:
         from std_msgs.msg import Float64
 
         arm.speed.publish(Float64(0.4))
-        start = arm.tool
-        goal = advanced(start, np.array([0.08, 0.06, 0.05, 0.0, 0.1, 0.1]))
-        line = goal[:3, 3] - start[:3, 3]
+        goal = advanced(arm.tool, np.array([0.08, 0.06, 0.05, 0.0, 0.1, 0.1]))
+        start = line = begin = None
+
+        def set_out():
+            nonlocal start, line, begin
+            start, begin = arm.tool, len(arm.robot.history)
+            line = goal[:3, 3] - start[:3, 3]
 
         def share_of_the_way():
             return (arm.tool - start)[:3, 3] @ line / (line @ line)
@@ -282,8 +286,10 @@ class TestPose:
             (_, before), *_, (_, now) = arm.robot.history[-5:]
             return share_of_the_way() > 0.35 and now != before
 
-        begin = len(arm.robot.history)
-        with held_until(moves_on, "the tool", arm.poses, pose_message(goal), arm.status):
+        set_out()
+        with held_until(
+            moves_on, "the tool to move", arm.poses, pose_message(goal), arm.status, set_out
+        ):
             pass
         halfway = arm.tool
         arm.robot.rest()

@@ -70,8 +70,7 @@ def test_the_tour_is_shown_once_and_goes_on_by_what_is_done(robot, page):
     page.load()
     assert page.text("tour-count") == "1 of 4"
     page.hold_until(lambda: page.text("tour-count") == "2 of 4", "w")
-    page.press("r")
-    wait_until(lambda: page.text("tour-count") == "3 of 4")
+    page.hold_until(lambda: page.text("tour-count") == "3 of 4", "r")
     page.element("#tour-skip").click()
     assert not page.element("#tour").is_displayed()
     page.load()
