@@ -842,7 +842,8 @@ def test_a_held_key_drives_50_times_a_second_until_it_is_let_go(robot, page):
         return len(robot.heard(DRIVE)) >= 25 and is_held(page, "drive:forward")
 
     page.script(AFTER_RELEASE, DRIVE)
-    page.hold_until(drives, "w", anew=robot.forget)
+    with page.held_until(drives, lambda: page.hold("w"), anew=robot.forget):
+        assert 1.2 in page.script("return window.afterRelease")
     wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0)
     assert robot.is_quiet(DRIVE)
     # At the page, at once: what is still on its way may take a busy machine a while.
