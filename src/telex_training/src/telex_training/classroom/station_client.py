@@ -6,7 +6,7 @@ import asyncio
 import os
 import socket
 import ssl
-from typing import Any, Mapping, Optional, Tuple
+from typing import Any, Mapping, NamedTuple, Optional, Tuple
 
 import aiohttp
 from yarl import URL
@@ -35,6 +35,17 @@ class StationError(RuntimeError):
     def __init__(self, sentence: str, status: int = 0) -> None:
         super().__init__(sentence)
         self.status = status
+
+
+class _Question(NamedTuple):
+    """What a station is asked: JSON to send, most bytes of the answer, and its time (s)."""
+
+    method: str
+    path: str
+    query: Mapping[str, str]
+    content: Optional[Mapping[str, Any]]
+    most: int
+    timeout: float
 
 
 class StationClient:
@@ -72,7 +83,7 @@ class StationClient:
         ------
         StationError
         """
-        _, data = await self._ask("GET", path, {}, None, most, timeout or TIMEOUT)
+        _, data = await self._ask(_Question("GET", path, {}, None, most, timeout or TIMEOUT))
         return self._json(data)
 
     async def post(self, path: str, content: Mapping[str, Any], timeout: float) -> Any:
@@ -82,7 +93,7 @@ class StationClient:
         ------
         StationError
         """
-        _, data = await self._ask("POST", path, {}, content, MOST_STATE, timeout)
+        _, data = await self._ask(_Question("POST", path, {}, content, MOST_STATE, timeout))
         return self._json(data)
 
     async def picture(self, topic: str, watched: bool) -> Tuple[str, bytes]:
@@ -94,7 +105,9 @@ class StationClient:
             Its status is 404 where nobody watches the topic.
         """
         query = {"topic": topic, **({"watched": "1"} if watched else {})}
-        kind, data = await self._ask("GET", "/snapshot", query, None, MOST_PICTURE, 2.0 * TIMEOUT)
+        kind, data = await self._ask(
+            _Question("GET", "/snapshot", query, None, MOST_PICTURE, 2.0 * TIMEOUT)
+        )
         if kind not in _PICTURES:
             raise StationError(f"what came is no picture, but {kind[:40]!r}")
         return kind, data
@@ -105,18 +118,10 @@ class StationClient:
         except BadAnswerError as error:
             raise StationError(f"{self.station.address}: {error}") from error
 
-    async def _ask(
-        self,
-        method: str,
-        path: str,
-        query: Mapping[str, str],
-        content: Optional[Mapping[str, Any]],
-        most: int,
-        timeout: float,
-    ) -> Tuple[str, bytes]:
+    async def _ask(self, question: _Question) -> Tuple[str, bytes]:
         station = self.station
         try:
-            return await self._ask_once(station, method, path, query, content, most, timeout)
+            return await self._ask_once(station, question)
         except StationError as error:
             if error.status not in _NOT_LET_IN or not station.token_file:
                 raise
@@ -128,37 +133,28 @@ class StationClient:
             if renewed.token == station.token:
                 raise
         self.station = renewed
-        return await self._ask_once(renewed, method, path, query, content, most, timeout)
+        return await self._ask_once(renewed, question)
 
-    async def _ask_once(
-        self,
-        station: ClassStation,
-        method: str,
-        path: str,
-        query: Mapping[str, str],
-        content: Optional[Mapping[str, Any]],
-        most: int,
-        timeout: float,
-    ) -> Tuple[str, bytes]:
+    async def _ask_once(self, station: ClassStation, question: _Question) -> Tuple[str, bytes]:
         assert self._http is not None
         address = station.address
         headers = {"Authorization": f"Bearer {station.token}"} if station.token else {}
         try:
             async with self._http.request(
-                method,
-                URL(address + path).with_query({**_WHO, **query}),
-                json=content,
+                question.method,
+                URL(address + question.path).with_query({**_WHO, **question.query}),
+                json=question.content,
                 headers=headers,
                 # It would take the token along to wherever it leads.
                 allow_redirects=False,
-                timeout=aiohttp.ClientTimeout(total=timeout),
+                timeout=aiohttp.ClientTimeout(total=question.timeout),
             ) as reply:
-                data = await _body(reply, most)
+                data = await _body(reply, question.most)
                 if reply.status != 200:
                     raise StationError(self._refusal(reply, data), reply.status)
                 return reply.content_type, data
         except asyncio.TimeoutError:
-            raise StationError(f"{address}: no answer within {timeout:g} s") from None
+            raise StationError(f"{address}: no answer within {question.timeout:g} s") from None
         except aiohttp.ClientConnectorError as error:
             reason = _reason(error.os_error)
             raise StationError(f"{address}: it cannot be reached: {reason}") from None
