@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, Iterator, List
+from typing import Any, Dict, Iterable, Iterator, List, Mapping
 
 from ..exercises.exercise_file import ExerciseFile
 from ..exercises.findings import Finding
@@ -39,6 +39,15 @@ def _parts(told: Dict[str, Any]) -> Iterator[str]:
             yield from _parts(value)
         elif isinstance(value, str):
             yield value
+
+
+def merged_texts(all_texts: Iterable[Mapping[str, Mapping[str, str]]]) -> Dict[str, Dict[str, str]]:
+    """What exercises say in other languages by their own files, as one table for each language."""
+    merged: Dict[str, Dict[str, str]] = {}
+    for texts in all_texts:
+        for language, table in texts.items():
+            merged.setdefault(language, {}).update(table)
+    return merged
 
 
 def unsaid(file: ExerciseFile) -> List[Finding]:

@@ -18,6 +18,7 @@ from telex_control.common.params import ConfigError, read_struct, require
 from telex_teleop.web.origins import origin_allowed
 from telex_teleop.web.tokens import MAX_NAME, ForbiddenError, Tokens, is_instructor
 
+from ..briefing.texts import merged_texts
 from ..exercises.catalog import exercises
 from ..exercises.exercise_file import ExerciseError, ExerciseFile, load_exercise
 from ..serving import aside, posted_object
@@ -240,11 +241,7 @@ def _offered() -> List[Dict[str, Any]]:
 
 def _own_texts() -> Dict[str, Dict[str, str]]:
     """What exercises of this machine say in other languages by their own files."""
-    made: Dict[str, Dict[str, str]] = {}
-    for _, file in _exercise_files():
-        for language, table in file.texts.items():
-            made.setdefault(language, {}).update(table)
-    return made
+    return merged_texts(file.texts for _, file in _exercise_files())
 
 
 async def _to_page(request: web.Request) -> web.Response:

@@ -37,6 +37,7 @@ from telex_msgs.srv import (
 from telex_control.common.params import ConfigError, read_config
 from telex_control.ros.node_start import init_node
 
+from ..briefing.texts import merged_texts
 from ..exercises.catalog import exercises, find_exercise, known_exercise
 from ..exercises.exercise_file import ExerciseError, load_exercise
 from ..exercises.model import EXAM, PRACTICE, Exercise
@@ -224,13 +225,9 @@ class TrainingNode:
 
     def _own_texts(self) -> Dict[str, Dict[str, str]]:
         """What exercises say in other languages by their own files."""
-        made: Dict[str, Dict[str, str]] = {}
         session = self._session
         paths = [*exercises().values(), *([] if session is None else [session.exercise.path])]
-        for path in paths:
-            for language, table in self._offer(path).get("texts", {}).items():
-                made.setdefault(language, {}).update(table)
-        return made
+        return merged_texts(self._offer(path).get("texts", {}) for path in paths)
 
     def _on_open(self, request: Any) -> Fields:
         try:
