@@ -173,33 +173,23 @@ test("the other robots of a scene are stopped as surely", async () => {
   assert.deepEqual((await connect()).asked, []);
 });
 
-test("a release that was not sent keeps no later stop from being confirmed", async () => {
-  await connect();
-  stop.set(true);
-  stop.hear({ e_stop: true });
-  die();
-  stop.set(false);
-  await connect();
-  stop.set(true);
-  stop.hear({ e_stop: true });
-  stop.hear({ e_stop: false }); // released by somebody else
-  die();
-  assert.deepEqual((await connect()).asked, []);
-});
-
-test("a release that a dead network took keeps no later stop from being confirmed", async () => {
-  await connect();
-  stop.set(true);
-  stop.hear({ e_stop: true });
-  stop.set(false);
-  die();
-  await connect();
-  stop.set(true);
-  stop.hear({ e_stop: true });
-  stop.hear({ e_stop: false }); // released by somebody else
-  die();
-  assert.deepEqual((await connect()).asked, []);
-});
+for (const [fate, lose] of /** @type {[string, () => void][]} */ ([
+  ["was not sent", () => { die(); stop.set(false); }],
+  ["a dead network took", () => { stop.set(false); die(); }],
+])) {
+  test(`a release that ${fate} keeps no later stop from being confirmed`, async () => {
+    await connect();
+    stop.set(true);
+    stop.hear({ e_stop: true });
+    lose();
+    await connect();
+    stop.set(true);
+    stop.hear({ e_stop: true });
+    stop.hear({ e_stop: false }); // released by somebody else
+    die();
+    assert.deepEqual((await connect()).asked, []);
+  });
+}
 
 test("an attempt to connect that is not answered is given up, and another one made", async () => {
   await new Promise((resolve) => setImmediate(resolve));
