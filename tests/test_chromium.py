@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import Iterator
+from typing import Any, Dict, Iterator, List
 
 import cv2
 import numpy as np
@@ -96,6 +96,26 @@ def test_another_page_is_loaded(browser: Chromium, tmp_path: Path) -> None:
     assert other.as_uri() in browser.addresses
     with pytest.raises(BrowserError, match="nothing: .*NOT_FOUND"):
         browser.go("file:///nothing")
+
+
+def test_what_a_page_that_loads_itself_anew_pushed_aside_is_asked_for_again(
+    browser: Chromium, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    other = tmp_path / "other.html"
+    other.write_text("<title>again</title>")
+    # What Chromium answers where a page goes its own way in the very moment (one time in 119).
+    asked: List[str] = []
+    ask = browser.call
+
+    def call(method: str, **parameters: Any) -> Dict[str, Any]:
+        asked.append(method)
+        aside = asked == ["Page.navigate"]
+        return {"errorText": "net::ERR_ABORTED"} if aside else ask(method, **parameters)
+
+    monkeypatch.setattr(browser, "call", call)
+    browser.go(other.as_uri())
+    assert asked == ["Page.navigate", "Page.navigate"]
+    assert browser.evaluate("document.title") == "again"
 
 
 def test_a_browser_has_processes_of_its_own(browser: Chromium) -> None:

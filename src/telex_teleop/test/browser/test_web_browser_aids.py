@@ -90,6 +90,7 @@ def calibrated(ros, robot, page):
     for camera in ("front", *THUMBNAILS):  # whichever the second view shows
         topic = f"/telex/cameras/{camera}/camera_info"
         robot.probe.publish(topic, "sensor_msgs/CameraInfo", INFO, rate=10)
+    page.load()  # which is else about the robot before, until it loads itself anew
     page.element("#tour-skip").click()
 
 

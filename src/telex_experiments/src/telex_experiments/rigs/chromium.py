@@ -295,11 +295,21 @@ class Chromium:
         )
 
     def go(self, url: str) -> None:
-        """Show another page, or the same one anew, and wait until it is loaded."""
-        self.evaluate("void (window.telexLeft = true)")
-        problem = self.call("Page.navigate", url=url).get("errorText")
-        if problem:
-            raise BrowserError(f"{url}: {problem}")
+        """Show another page, or the same one anew, and wait until it is loaded.
+
+        A page that goes elsewhere by itself meanwhile, such as one that loads itself anew, takes
+        the place of what is asked for, which is asked for again.
+        """
+        end = time.monotonic() + ANSWER_WITHIN
+        while True:
+            with contextlib.suppress(PageLeftError):
+                self.evaluate("void (window.telexLeft = true)")
+            problem = self.call("Page.navigate", url=url).get("errorText")
+            if not problem:
+                break
+            if problem != "net::ERR_ABORTED" or time.monotonic() > end:
+                raise BrowserError(f"{url}: {problem}")
+            time.sleep(0.05)
         self.wait_for(url, "window.telexLeft === undefined && document.readyState === 'complete'")
 
     def evaluate(self, script: str) -> Any:
