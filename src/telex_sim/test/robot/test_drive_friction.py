@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 
 import pybullet
@@ -10,8 +11,12 @@ from drive_on_bench import STEP, DriveOnBench
 from std_msgs.msg import Float64
 
 from telex_control.hardware.hardware_interface import ControllerInfo, EffortJointInterface
+from telex_control.ros.local_node_handle import LocalNodeHandle
 from telex_control.urdf.joints import joints, parse_urdf
+from telex_sim.engine.simulator_config import HardwareConfig
+from telex_sim.engine.world import World
 from telex_sim.offline.simulation import OfflineSimulation
+from telex_sim.robot.robot_hw_sim import RobotHWSim
 
 pytestmark = pytest.mark.slow
 
@@ -115,6 +120,40 @@ def test_damping_too_large_for_the_step_only_stops_the_drive(rig):
         tested.run(0.0, STEP)
         assert 0.0 <= tested.velocity < 3.0
     assert tested.velocity == pytest.approx(0.0, abs=1e-9)
+
+
+PENDULUM = """
+<robot name="pendulum">
+  <link name="base"><inertial><mass value="1e6"/>
+    <inertia ixx="1e6" iyy="1e6" izz="1e6" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="rotor"><inertial><mass value="{inertia}"/>
+    <inertia ixx="{inertia}" iyy="{inertia}" izz="{inertia}" ixy="0" ixz="0" iyz="0"/></inertial>
+  </link>
+  <joint name="free" type="continuous"><parent link="base"/><child link="rotor"/>
+    <axis xyz="0 0 1"/><dynamics friction="{friction}" damping="{damping}"/></joint>
+</robot>
+"""
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.2])
+@pytest.mark.parametrize("damping", [0.5, 8.0 * INERTIA / STEP])
+def test_a_joint_without_a_drive_runs_down_as_its_urdf_says(friction, damping):
+    urdf = PENDULUM.format(inertia=INERTIA, friction=friction, damping=damping)
+    with contextlib.closing(World(STEP, 50)) as world:
+        hw = RobotHWSim(parse_urdf(urdf), HardwareConfig())
+        hw.init(LocalNodeHandle({}), LocalNodeHandle({}))
+        body = world.load_robot(urdf, str, (0.0, 0.0, 1000.0), 0.0, {}, fixed_base=False)
+        hw.attach(body)
+        pybullet.resetJointState(body.uid, 0, 0.0, 3.0, physicsClientId=world.client)
+        seconds = 0.5
+        for _ in range(round(seconds / STEP)):
+            hw.read(0.0, STEP)
+            hw.write(0.0, STEP)
+            world.step()
+        velocity = pybullet.getJointState(body.uid, 0, physicsClientId=world.client)[1]
+    rest = friction / damping  # the velocity that it would tend to beyond standstill
+    wanted = (3.0 + rest) * math.exp(-damping * seconds / INERTIA) - rest
+    assert velocity == pytest.approx(max(wanted, 0.0), rel=5e-3, abs=1e-9)
 
 
 def test_a_belts_motor_works_against_the_friction_of_its_drive(rig):

@@ -79,8 +79,9 @@ class RobotHWSim(RobotHW, Stateful):
         self._all: List[JointDrive] = []
         # Without the belts: what PyBullet's motors move.
         self._moved: List[JointDrive] = []
-        # Movable joints that nothing drives; they have friction.
+        # Movable joints that nothing drives; they have friction, and some of them damping.
         self._passive: List[UrdfJoint] = []
+        self._damped: List[UrdfJoint] = []
         # Of those, the ones whose states are told: they follow others, or a transmission asks it.
         self._watched: Dict[str, JointStateHandle] = {}
         self.imus: List[Imu] = []
@@ -126,6 +127,7 @@ class RobotHWSim(RobotHW, Stateful):
             self._joints[each.joint] = self._drive(each, described, limits, root)
         self._warn_of_massless(described)
         self._passive = [joint for name, joint in described.items() if name not in self._joints]
+        self._damped = [joint for joint in self._passive if joint.damping > 0.0]
         self._couple(described)
         self._watch([name for name in watched if name in described])
         self._surfaces = LinkSurfaces(self._robot, self._config)
@@ -476,6 +478,8 @@ class RobotHWSim(RobotHW, Stateful):
             )
         if self._by_position:
             self._write_positions(period)
+        if self._damped:
+            self._write_damping()
 
     def _write_efforts(self, period: float) -> None:
         """Apply efforts, and let the friction of their drives act as motors that want standstill.
@@ -492,6 +496,22 @@ class RobotHWSim(RobotHW, Stateful):
             pybullet.VELOCITY_CONTROL,
             targetVelocities=self._standstill,
             forces=[drive.resistance() for drive in drives],
+        )
+
+    def _write_damping(self) -> None:
+        """Let the motors that brake joints without a drive grow with their velocities."""
+        body = self._body
+        assert body is not None
+        indices = [body.joints[joint.name] for joint in self._damped]
+        states = pybullet.getJointStates(body.uid, indices, physicsClientId=body.client)
+        self._control(
+            indices,
+            pybullet.VELOCITY_CONTROL,
+            targetVelocities=[0.0] * len(indices),
+            forces=[
+                joint.friction + joint.damping * abs(state[1])
+                for joint, state in zip(self._damped, states)
+            ],
         )
 
     def _write_positions(self, period: float) -> None:
