@@ -140,8 +140,10 @@ function practisedRow(repetition, ended) {
 
 /** @param {any} sheet */
 function show(sheet) {
-  const { exercise, verdict } = sheet;
-  document.title = `${translated(exercise.title)}: ${text(VERDICTS[verdict] ?? "no verdict")}`;
+  const { exercise } = sheet;
+  // What did not count may have figures that would have passed.
+  const verdict = sheet.valid ? sheet.verdict : "";
+  document.title = `${translated(exercise.title)}: ${text(VERDICTS[verdict] ?? (sheet.valid ? "no verdict" : "not valid"))}`;
   const seed = exercise.seed === null ? "" : text(", seed {seed}", { seed: exercise.seed });
   const parts = [
     element("h1", text(VERDICTS[verdict] ?? (sheet.valid ? term("NO VERDICT") : term("INVALID"))), { "data-verdict": verdict }),

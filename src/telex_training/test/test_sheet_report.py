@@ -35,3 +35,12 @@ def test_a_metric_without_a_repetition_has_no_figure_and_is_not_missed():
 def test_a_figure_beyond_its_bound_is_missed():
     _, text = report(3.0)
     assert "<= 2: MISSED" in text
+
+
+def test_what_would_have_passed_is_called_invalid_where_it_does_not_count():
+    sheet, _ = report(3.0)
+    passed = {**sheet, "verdict": "passed"}
+    assert "\nPASSED: " in sheet_report(passed, "t1", [])
+    text = sheet_report({**passed, "valid": False, "invalid_because": ["log: 3 gaps"]}, "t1", [])
+    assert "\nINVALID: " in text
+    assert "\n  not valid: log: 3 gaps\n" in text

@@ -13,7 +13,7 @@ import { tellTelemetry } from "../../console/js/training/telemetry.js";
 
 const STATE = /** @type {any} */ ({
   phase: "running", message: "", hint: "slower", mode: "practice", verdict: "", repetition: 2, repetitions: 10, results: ["passed"],
-  steps: ["out", "back"], steps_done: [true, false], from_bookmark: "", bookmarks: [], faults: [],
+  valid: true, steps: ["out", "back"], steps_done: [true, false], from_bookmark: "", bookmarks: [], faults: [],
 });
 
 test("the step that is due is named with its number", () => {
@@ -36,6 +36,7 @@ test("hints are for practice, and what went wrong comes first", () => {
   assert.equal(noteOf({ ...STATE, phase: "between", results: ["passed", "tipped"] }), "fault: tipped");
   assert.equal(noteOf({ ...STATE, phase: "ended", verdict: "passed" }), "PASSED: see the sheet");
   assert.equal(noteOf({ ...STATE, phase: "ended" }), "no verdict: see the sheet");
+  assert.equal(noteOf({ ...STATE, phase: "ended", verdict: "passed", valid: false }), "not valid: see the sheet");
 });
 
 test("what has failed is said in the language that is shown", () => {

@@ -484,6 +484,7 @@ export const DE = {
   "practice only, from: {bookmark}": "nur zum Üben, ab: {bookmark}",
   "rep {count}": "Wdh. {count}",
   "{ready} · first: {step}": "{ready} · zuerst: {step}",
+  "not valid: see the sheet": "ungültig: siehe Bogen",
   "no verdict: see the sheet": "kein Urteil: siehe Bogen",
   "{verdict}: see the sheet": "{verdict}: siehe Bogen",
   "Malfunction: {names}": "Störung: {names}",

@@ -484,6 +484,7 @@ export const FR = {
   "practice only, from: {bookmark}": "entraînement uniquement, depuis : {bookmark}",
   "rep {count}": "rép. {count}",
   "{ready} · first: {step}": "{ready} · d’abord : {step}",
+  "not valid: see the sheet": "non valable : voir la fiche",
   "no verdict: see the sheet": "sans verdict : voir la fiche",
   "{verdict}: see the sheet": "{verdict} : voir la fiche",
   "Malfunction: {names}": "Panne : {names}",

@@ -197,8 +197,9 @@ export function malfunctionsText({ malfunctions }) {
 }
 
 /** What is said under the strip: what went wrong before what helps. @param {State} state */
-export function noteOf({ message, hint, phase, verdict, results, mode, from_bookmark: bookmark, steps_done: done, faults }) {
+export function noteOf({ message, hint, phase, valid, verdict, results, mode, from_bookmark: bookmark, steps_done: done, faults }) {
   if (message !== "") return translated(message);
+  if (phase === "ended" && !valid) return text("not valid: see the sheet");
   if (phase === "ended") return verdict === "" ? text("no verdict: see the sheet") : text("{verdict}: see the sheet", { verdict: translated(verdict).toUpperCase() });
   if (phase === "between" && bookmark !== "") return done.every(Boolean) ? text("done, as practice only") : text("fault: {fault}; practice only", { fault: translated(faults.at(-1) ?? "") });
   if (phase === "between") return results.at(-1) === "passed" ? text("passed") : text("fault: {fault}", { fault: translated(results.at(-1) ?? "") });
