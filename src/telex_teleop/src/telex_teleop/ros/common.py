@@ -114,10 +114,22 @@ class OperatorInputs:
 
 def warn_dropped(topic: str, problem: str) -> None:
     """Warn that a message was not obeyed, and why; throttled by topic."""
+    _warn(topic, f"message on {rospy.resolve_name(topic)} dropped: {problem}")
+
+
+def command(publisher: rospy.Publisher, message: Any) -> None:
+    """Publish a command; warn, throttled by topic, where nobody listens to it."""
+    publisher.publish(message)
+    if publisher.get_num_connections() == 0:
+        topic = publisher.resolved_name
+        _warn(topic, f"nobody listens to {topic}, so nothing moves: is its controller loaded?")
+
+
+def _warn(topic: str, words: str) -> None:
     now = time.monotonic()
     if now - _warned.get(topic, -WARNING_PERIOD) >= WARNING_PERIOD:
         _warned[topic] = now
-        rospy.logwarn(f"message on {rospy.resolve_name(topic)} dropped: {problem}")
+        rospy.logwarn(words)
 
 
 def run_node(name: str, start: Callable[[], object]) -> int:

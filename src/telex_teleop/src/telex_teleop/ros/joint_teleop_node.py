@@ -18,7 +18,7 @@ from telex_control.urdf.joints import short_name
 from telex_teleop.joints.joint_teleop import JOINT_MODE, JointTeleop
 from telex_teleop.motion.idle_rest import IdleRest
 from telex_teleop.motion.joint_jog import InvalidCommand, parse_joint_jog
-from telex_teleop.ros.common import OperatorInputs, StatusTimer, warn_dropped
+from telex_teleop.ros.common import OperatorInputs, StatusTimer, command, warn_dropped
 
 
 class JointTeleopNode:
@@ -116,7 +116,7 @@ class JointTeleopNode:
             references = self._core.update(stamp, arrival, positions)
             idle = self._core.idle
         for joint, reference in references.items():
-            self._controllers[joint].publish(Float64(reference))
+            command(self._controllers[joint], Float64(reference))
         self._after_update()
         self._rest.settle(idle, commands, stamp, arrival)
 

@@ -17,6 +17,7 @@ from telex_teleop.motion.joint_jog import InvalidCommand
 from telex_teleop.ros.common import (
     OperatorInputs,
     StatusTimer,
+    command,
     private_settings,
     run_node,
     warn_dropped,
@@ -111,7 +112,7 @@ class TrackTeleopNode:
             velocity = self._core.update(stamp, arrival)
             idle = self._core.idle
         if velocity is not None:
-            self._output.publish(_twist(velocity))
+            command(self._output, _twist(velocity))
         self._rest.settle(idle, commands, stamp, arrival)
 
     def _stop_driving(self) -> None:
