@@ -58,6 +58,17 @@ def test_no_descendant_remains(manner, end):
     assert process.returncode == -end
 
 
+def test_a_thread_that_ends_meanwhile_hides_no_descendant(monkeypatch):
+    listed = os.listdir
+    # Two that have ended by the time they are looked at.
+    monkeypatch.setattr(os, "listdir", lambda path: ["0", *listed(path), "0"])
+    with subprocess.Popen(["sleep", "60"]) as child:
+        try:
+            assert child.pid in descendants(os.getpid())
+        finally:
+            child.kill()
+
+
 @pytest.mark.ros
 def test_master_is_there_and_gone(monkeypatch):
     monkeypatch.setenv("ROS_NAMESPACE", "/elsewhere")
