@@ -111,7 +111,7 @@ def test_who_ends_it_is_noticed_once_and_a_bridge_that_starts_anew_is_none(bridg
     assert lifted == [True]
 
 
-def test_it_holds_at_the_bridge_of_each_robot_or_at_none(bridge, lifted):
+def test_it_holds_at_the_bridge_of_each_robot_or_at_none(bridge, lifted, monkeypatch):
     bridge.params["/telex_b/rosbridge/instructor_token_file"] = "/teacher.token"
     made = partial(ExamList, "rosbridge", lambda: lifted.append(True), others=["/telex_b"])
     listed = made(within=5.0)
@@ -119,8 +119,18 @@ def test_it_holds_at_the_bridge_of_each_robot_or_at_none(bridge, lifted):
     bridge.say(String(""), "/telex_b/")
     assert lifted == [True]
     bridge.deaf = "/telex_b/"
+    bridge.says.clear()  # of the node before
+    listed = made(within=0.05)
+    wait_for = listed._lock.wait_for
+
+    def until_the_other_has_answered(answered, within):
+        """The time is over then, and not before."""
+        assert wait_for(lambda: listed._open() == ["/telex_b/"], 60.0)
+        return answered()
+
+    monkeypatch.setattr(listed._lock, "wait_for", until_the_other_has_answered)
     with pytest.raises(ExamListError, match=r"is it running \(/telex//telex_b/rosbridge\)"):
-        made(within=0.05).take("t2")
+        listed.take("t2")
     assert bridge.said[-2:] == ["t2", ""]
 
 
