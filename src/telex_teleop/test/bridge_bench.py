@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 
-from web_fakes import FakeRos
+from web_fakes import HUNG, FakeRos
 
 from telex_control.common.params import read_config, read_struct
 from telex_teleop.web.bridge.clients.control import Member
@@ -33,7 +33,7 @@ class Client:
         self.session.receive(json.dumps({"op": op, **fields}))
 
     async def hear(self):
-        return json.loads(await asyncio.wait_for(self.outbox.get(), 5.0))
+        return json.loads(await asyncio.wait_for(self.outbox.get(), HUNG))
 
     async def ask(self, service, args=None):
         self.say("call_service", service=service, args=args, id="q")

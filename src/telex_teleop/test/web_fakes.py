@@ -14,12 +14,17 @@ from telex_teleop.web.bridge.protocol.operations import OperationError
 from telex_teleop.web.listening import bind, serve, url_of
 from telex_teleop.web.video.topics import find_topic
 
+HUNG = 30.0
+"""Time (s) after which a wait has failed. At low priority, as most of these tests run, nothing can
+be said of how soon something comes."""
+HUNG_TEST = 120.0
+
 
 def on_loop(check):
     """Make a test of a coroutine function."""
 
     def test():
-        asyncio.run(asyncio.wait_for(check(), 20.0))
+        asyncio.run(asyncio.wait_for(check(), HUNG_TEST))
 
     test.__doc__ = check.__doc__
     return test
@@ -32,11 +37,11 @@ async def served(app, scheme="http"):
     stop, ready = asyncio.Event(), asyncio.Event()
     running = asyncio.ensure_future(serve(app, listener, stop, ready.set))
     try:
-        await asyncio.wait_for(ready.wait(), 5.0)
+        await asyncio.wait_for(ready.wait(), HUNG)
         yield url_of(scheme, listener)
     finally:
         stop.set()
-        await asyncio.wait_for(running, 5.0)
+        await asyncio.wait_for(running, HUNG)
 
 
 ROSTER = "/telex/bridge/clients"

@@ -11,7 +11,7 @@ import aiohttp
 import pytest
 from bridge_bench import Bench, Client
 from waiting import wait_until_async
-from web_fakes import FakeRos, on_loop, served
+from web_fakes import HUNG, FakeRos, on_loop, served
 
 from telex_teleop.web.bridge.bridge_app import Rosbridge
 from telex_teleop.web.server_config import RosbridgeConfig
@@ -195,8 +195,8 @@ async def test_who_takes_no_answers_is_not_heard_until_he_does():
         await asyncio.sleep(0.1)
         async with http.ws_connect(url) as other:
             await other.send_json({"op": "call_service", "service": "/rosapi/nodes"})
-            assert (await other.receive_json(timeout=5))["result"] is True
+            assert (await other.receive_json(timeout=HUNG))["result"] is True
         deaf._response.connection.transport.resume_reading()
         for _ in range(1500):
-            assert (await deaf.receive_json(timeout=5))["op"] == "status"
+            assert (await deaf.receive_json(timeout=HUNG))["op"] == "status"
         await deaf.close()

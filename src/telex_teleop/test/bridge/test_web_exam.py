@@ -8,7 +8,7 @@ from bridge_bench import TWIST, Bench, Client
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 from waiting import wait_until_async
-from web_fakes import FakeRos, on_loop, served
+from web_fakes import HUNG, FakeRos, on_loop, served
 
 from telex_control.common.params import ConfigError
 from telex_teleop.web.bridge.bridge_app import Rosbridge
@@ -357,10 +357,10 @@ async def test_what_the_robot_has_stays_subscribed_when_the_list_begins():
             await wait_until_async(lambda: {FINDER, PADS} <= set(heard()))
             ros.params["/telex/equipment"] = EQUIPMENT  # the simulator has come meanwhile
             ros.receivers["/telex/training/exam"](String(TRIAL), "/telex/training")
-            said = await socket.receive_json(timeout=5)
+            said = await socket.receive_json(timeout=HUNG)
             assert said["msg"].startswith(f"unsubscribed: {PADS} is closed")
             ros.receivers[FINDER](String("1.5"), None)
-            assert (await socket.receive_json(timeout=5))["topic"] == FINDER
+            assert (await socket.receive_json(timeout=HUNG))["topic"] == FINDER
         ros.receivers["/telex/training/exam"](String(""), "/telex/training")
         await wait_until_async(lambda: ros.exams[-1:] == [""] and not app.shared.exam.trial)
     assert warnings == []
@@ -370,4 +370,4 @@ async def asks(http, url, service):
     """Whether a new connection gets an answer of a service."""
     async with http.ws_connect(url) as socket:
         await socket.send_json({"op": "call_service", "service": service})
-        return (await socket.receive_json(timeout=5))["result"]
+        return (await socket.receive_json(timeout=HUNG))["result"]

@@ -10,7 +10,7 @@ import pytest
 from bridge_bench import TWIST, Bench, Client
 from std_msgs.msg import Bool
 from waiting import wait_until_async
-from web_fakes import on_loop
+from web_fakes import HUNG, on_loop
 
 from telex_teleop.web.bridge.clients.outbox import Outbox
 from telex_teleop.web.bridge.link.downlink import Downlink
@@ -223,7 +223,7 @@ async def test_of_commands_some_get_lost_and_no_stop():
     for moment in range(1, 12):
         delayed.bench.ros.time = 100.0 + moment
         await asyncio.sleep(0.03)
-    await wait_until_async(lambda: delayed.driven.count(0.0) == 20, timeout=5.0)
+    await wait_until_async(lambda: delayed.driven.count(0.0) == 20)
     assert 60 < delayed.driven.count(1.0) < 140
 
 
@@ -276,7 +276,7 @@ async def test_messages_to_a_client_come_late_and_in_order():
     now[0] = 100.5
     assert [await getting, await downlink.get()] == ["b", "c"]
     outbox.put_reply("d")
-    assert await asyncio.wait_for(downlink.get(), 0.5) == "d"
+    assert await asyncio.wait_for(downlink.get(), HUNG) == "d"
     downlink.close()
 
 
@@ -293,4 +293,4 @@ async def test_the_pump_outlives_work_that_fails():
     pump = LinePump(time.monotonic, work)
     with pytest.raises(ValueError, match="broken"):
         pump.run()
-    await wait_until_async(lambda: len(done) == 2, timeout=2.0)
+    await wait_until_async(lambda: len(done) == 2)

@@ -78,7 +78,7 @@ class Served:
 async def served():
     made = Served()
     running = asyncio.ensure_future(made.service.run())
-    await wait_until_async(lambda: made.bench.ros.links, timeout=5.0)
+    await wait_until_async(lambda: made.bench.ros.links)
     await made.bench.settle()
     try:
         yield made
@@ -115,13 +115,13 @@ async def test_an_outage_is_told():
         await link.call("", "{outage_every: 10, outage_for: 4}")
         assert not link.told.outage
         link.bench.ros.time = 107.0
-        await wait_until_async(lambda: link.told.outage, timeout=2.0)
+        await wait_until_async(lambda: link.told.outage)
         assert link.told.header.stamp.to_sec() == 107.0
         count = len(link.bench.ros.links)
         await asyncio.sleep(0.3)
         assert len(link.bench.ros.links) == count
         link.bench.ros.time = 110.5
-        await wait_until_async(lambda: not link.told.outage, timeout=2.0)
+        await wait_until_async(lambda: not link.told.outage)
 
 
 @on_loop
@@ -133,10 +133,10 @@ async def test_the_line_follows_the_signal_by_distance_only():
         assert (link.line.fields, link.told.signal_known) == (PERFECT, False)
         hear = link.bench.ros.receivers[RADIO]
         hear(Radio(quality=0.3), None)
-        await wait_until_async(lambda: link.told.signal_known, timeout=2.0)
+        await wait_until_async(lambda: link.told.signal_known)
         assert (link.told.signal, link.told.delay) == (0.3, link.line.fields.delay)
         hear(Radio(quality=float("nan")), None)
-        await wait_until_async(lambda: link.told.outage, timeout=2.0)
+        await wait_until_async(lambda: link.told.outage)
         await link.call("300")
         assert not link.told.signal_known
         assert ("unsubscribe", RADIO) in link.bench.ros.events
@@ -156,7 +156,7 @@ async def test_reset_and_e_stop_call_commands_back():
             client.say("publish", topic=DRIVE, msg={"linear": {"x": 1.0}})
             before = client.member.dropped
             watch(status, None)
-            await wait_until_async(lambda n=before: client.member.dropped > n, timeout=2.0)
+            await wait_until_async(lambda n=before: client.member.dropped > n)
         link.bench.ros.time = 101.0
         await asyncio.sleep(0.15)
         assert not [topic for topic, _ in link.bench.ros.published if topic == DRIVE]
@@ -176,16 +176,16 @@ async def test_a_release_follows_the_stop_or_the_reset_of_the_same_client():
             client.say("publish", topic=E_STOP, msg={"data": data})
         client.say("publish", topic=DRIVE, msg={"linear": {"x": 1.0}})
         watch(SimStatus(e_stop=True), None)
-        await wait_until_async(lambda: client.member.dropped == 1, timeout=2.0)
+        await wait_until_async(lambda: client.member.dropped == 1)
         link.bench.ros.time = 101.0
-        await wait_until_async(lambda: len(link.bench.ros.published) == 2, timeout=2.0)
+        await wait_until_async(lambda: len(link.bench.ros.published) == 2)
         assert [message.data for _, message in link.bench.ros.published] == [True, False]
         client.say("publish", topic=E_STOP, msg={"data": False})
         client.say("publish", topic=DRIVE, msg={"linear": {"x": 1.0}})
         watch(SimStatus(resets=1, e_stop=True), None)
-        await wait_until_async(lambda: client.member.dropped == 2, timeout=2.0)
+        await wait_until_async(lambda: client.member.dropped == 2)
         link.bench.ros.time = 102.0
-        await wait_until_async(lambda: len(link.bench.ros.published) == 3, timeout=2.0)
+        await wait_until_async(lambda: len(link.bench.ros.published) == 3)
         assert link.bench.ros.published[-1][1].data is False
 
 
@@ -202,10 +202,8 @@ async def test_a_reset_calls_back_what_was_under_way_when_the_line_became_perfec
         await link.call("perfect")
         assert ("unsubscribe", STATUS) not in link.bench.ros.events
         watch(SimStatus(resets=4), None)
-        await wait_until_async(lambda: client.member.dropped == 1, timeout=2.0)
-        await wait_until_async(
-            lambda: ("unsubscribe", STATUS) in link.bench.ros.events, timeout=2.0
-        )
+        await wait_until_async(lambda: client.member.dropped == 1)
+        await wait_until_async(lambda: ("unsubscribe", STATUS) in link.bench.ros.events)
         link.bench.ros.time = 101.5
         await asyncio.sleep(0.15)
         assert link.bench.ros.published == []

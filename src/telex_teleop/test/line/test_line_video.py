@@ -9,7 +9,7 @@ import struct
 import aiohttp
 from sample_pictures import jpeg
 from waiting import wait_until_async
-from web_fakes import FakePictures, on_loop, served
+from web_fakes import HUNG, FakePictures, on_loop, served
 
 from telex_teleop.web.line.fields import PERFECT, LineFields
 from telex_teleop.web.server_config import VideoServerConfig
@@ -46,7 +46,7 @@ class Bench:
         fields = self.server.line.fields
         self.set_line()
         async with self.http.ws_connect(f"{self.url}/video{query}") as socket:
-            await socket.receive_json(timeout=5)
+            await socket.receive_json(timeout=HUNG)
             await socket.send_json({"show": [{"camera": "front", "credits": 8}]})
             await wait_until_async(lambda: FRONT in self.pictures.receivers)
             self.server.line.configure(fields, BEGUN)
@@ -66,14 +66,14 @@ async def bench(tmp_path, **config):
 
 async def stamp_of(socket):
     """Return when the next picture was taken (s since the beginning)."""
-    data = await socket.receive_bytes(timeout=5)
+    data = await socket.receive_bytes(timeout=HUNG)
     return round(struct.unpack("<BBHId", data[:16])[4] - BEGUN, 3)
 
 
 async def nothing_comes(socket, period=0.25):
     await asyncio.sleep(period)
     await socket.send_json({"ping": 1})
-    assert "pong" in await socket.receive_json(timeout=5)
+    assert "pong" in await socket.receive_json(timeout=HUNG)
 
 
 def on_bench(check, **config):
@@ -132,7 +132,7 @@ async def test_another_view_passes_the_line_too(bench):
         assert await stamp_of(socket) == 0.5
         await wait_until_async(lambda: REAR in bench.pictures.receivers)
         bench.go_to(1.5)
-        assert "no camera" in (await socket.receive_json(timeout=5))["error"]
+        assert "no camera" in (await socket.receive_json(timeout=HUNG))["error"]
 
 
 @on_bench
@@ -168,7 +168,7 @@ async def test_streams_and_snapshots_are_late_as_well(bench):
         await asyncio.sleep(0.2)
         assert not reading.done()
         bench.go_to(1.0)
-        await asyncio.wait_for(reading, 5.0)
+        await asyncio.wait_for(reading, HUNG)
 
 
 def test_a_snapshot_shows_nothing_that_an_outage_holds(tmp_path):

@@ -9,7 +9,7 @@ import aiohttp
 import pytest
 from sample_pictures import jpeg
 from waiting import wait_until_async
-from web_fakes import FakePictures, served
+from web_fakes import HUNG, HUNG_TEST, FakePictures, served
 
 from telex_control.common.params import ConfigError, read_config
 from telex_teleop.web.line.fields import LineFields
@@ -56,7 +56,7 @@ def bench(tmp_path):
 
 
 def run(coroutine):
-    asyncio.run(asyncio.wait_for(coroutine, 20.0))
+    asyncio.run(asyncio.wait_for(coroutine, HUNG_TEST))
 
 
 def tokens(bench, tmp_path):
@@ -124,7 +124,7 @@ def test_all_cameras_of_the_robot_come_over_one_socket(bench):
         async with bench.served() as http:
             for query, topic in (("", OWN), ("?robot=telex_b", OTHER)):
                 async with http.ws_connect(f"/video{query}") as socket:
-                    told = await socket.receive_json(timeout=5)
+                    told = await socket.receive_json(timeout=HUNG)
                     assert told["cameras"] == [{"name": "front", "topic": topic}]
                 text = await (await http.get(f"/streams{query}")).text()
                 assert [each in text for each in (OWN, OTHER)] == [topic == OWN, topic == OTHER]

@@ -10,7 +10,7 @@ import pytest
 from aiohttp import web
 from sample_pictures import jpeg
 from waiting import wait_until_async
-from web_fakes import FakePictures, served
+from web_fakes import HUNG, HUNG_TEST, FakePictures, served
 
 from telex_control.common.params import ConfigError
 from telex_teleop.web.server_config import VideoServerConfig
@@ -67,7 +67,7 @@ class Bench:
 
 
 def run(coroutine):
-    asyncio.run(asyncio.wait_for(coroutine, 20.0))
+    asyncio.run(asyncio.wait_for(coroutine, HUNG_TEST))
 
 
 async def status(http, address, **options):
@@ -93,12 +93,12 @@ def test_streams_that_are_not_on_the_list_are_cut_and_others_go_on(tmp_path):
             await asyncio.sleep(0.05)
             bench.server.hear_of_exam(TRIAL)
             with contextlib.suppress(aiohttp.ClientError):
-                await asyncio.wait_for(until_it_ends(cut), 5.0)
+                await asyncio.wait_for(until_it_ends(cut), HUNG)
             for topic in (REPLAYED, FRONT):
                 await bench.feed(topic)
             assert (await asked).status == 403
             for stream in (kept, teachers):
-                assert b"X-Timestamp" in await asyncio.wait_for(stream.content.read(900), 5.0)
+                assert b"X-Timestamp" in await asyncio.wait_for(stream.content.read(900), HUNG)
             for path in ("stream", "snapshot", "stream_viewer"):
                 for topic in (REPLAYED, OVERVIEW):
                     assert await status(http, f"/{path}?topic={topic}") == 403
@@ -121,18 +121,18 @@ def test_views_of_the_websocket_end_and_come_back(tmp_path):
 
     async def check():
         async with bench.served() as http, http.ws_connect("/video") as socket:
-            await socket.receive_json(timeout=5)
+            await socket.receive_json(timeout=HUNG)
             await socket.send_json({"show": [{"camera": "front"}, {"camera": "rear"}]})
             await wait_until_async(lambda: len(bench.pictures.receivers) == 2)
             bench.server.hear_of_exam(TRIAL)
             await wait_until_async(lambda: rear not in bench.pictures.receivers)
             await socket.send_json({"show": [{"camera": "rear"}]})
-            assert 'no camera "rear"' in (await socket.receive_json(timeout=5))["error"]
+            assert 'no camera "rear"' in (await socket.receive_json(timeout=HUNG))["error"]
             assert list(bench.pictures.receivers) == [f"{FRONT}/compressed"]
             async with http.ws_connect("/video") as other:
-                await other.receive_json(timeout=5)
+                await other.receive_json(timeout=HUNG)
                 await other.send_json({"show": [{"camera": "rear"}]})
-                assert "error" in await other.receive_json(timeout=5)
+                assert "error" in await other.receive_json(timeout=HUNG)
             bench.server.hear_of_exam("")
             await wait_until_async(lambda: rear in bench.pictures.receivers)
 

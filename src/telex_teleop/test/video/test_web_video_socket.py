@@ -13,7 +13,7 @@ import pytest
 import simplejpeg
 from sample_pictures import jpeg, two_halves
 from waiting import wait_until_async
-from web_fakes import FakePictures, served
+from web_fakes import HUNG, HUNG_TEST, FakePictures, served
 
 from telex_teleop.web.server_config import VideoServerConfig
 from telex_teleop.web.video.cameras import CameraList
@@ -195,11 +195,11 @@ class Client:
         await self.socket.send_json(message)
 
     async def hear(self):
-        return await self.socket.receive_json(timeout=5)
+        return await self.socket.receive_json(timeout=HUNG)
 
     async def picture(self):
         """Return camera, number, wall time and data of the next message, which is a picture."""
-        message = await self.socket.receive_bytes(timeout=5)
+        message = await self.socket.receive_bytes(timeout=HUNG)
         version, camera, flags, number, captured = struct.unpack("<BBHId", message[:16])
         assert (version, flags) == (1, 0)
         return camera, number, captured, message[16:]
@@ -227,7 +227,7 @@ def on_bench(check, **config):
                 assert names == ["front", "rear"]
                 await check(bench, client)
 
-        asyncio.run(asyncio.wait_for(run(), 20.0))
+        asyncio.run(asyncio.wait_for(run(), HUNG_TEST))
 
     test.__doc__ = check.__doc__
     return test
@@ -607,11 +607,11 @@ async def test_huge_texts_and_floods_end_the_connection_but_nobody_elses(bench, 
     }
     for code, texts in floods.items():
         async with bench.http.ws_connect(bench.url) as socket:
-            await socket.receive(timeout=5)
+            await socket.receive(timeout=HUNG)
             for text in texts:
                 with contextlib.suppress(ConnectionError):
                     await socket.send_str(text)
-            while (await socket.receive(timeout=5)).type == aiohttp.WSMsgType.TEXT:
+            while (await socket.receive(timeout=HUNG)).type == aiohttp.WSMsgType.TEXT:
                 pass
             assert socket.close_code == abs(code)
     await client.say(ping=2)
@@ -681,10 +681,10 @@ def test_the_servers_end_says_goodbye(tmp_path):
         async with contextlib.AsyncExitStack() as stack:
             await stack.enter_async_context(bench.connected())
             socket = await bench.http.ws_connect(bench.url)
-            await socket.receive(timeout=5)
-            closing = asyncio.ensure_future(socket.receive(timeout=5))
+            await socket.receive(timeout=HUNG)
+            closing = asyncio.ensure_future(socket.receive(timeout=HUNG))
             # aiohttp by itself would wait longer for the answer of the other client
             await asyncio.wait_for(bench.server.sockets.dismiss(), 5.0)
             assert (await closing).data == 1001
 
-    asyncio.run(asyncio.wait_for(run(), 20.0))
+    asyncio.run(asyncio.wait_for(run(), HUNG_TEST))
