@@ -190,7 +190,7 @@ def test_tf_agrees(urdf, positions, product, tmp_path):
                 [sys.executable, __file__, str(asked), str(answered)],
                 env=environment,
                 check=True,
-                timeout=60.0,
+                timeout=600.0,  # walk() says sooner which pose does not come
             )
         finally:
             publisher.terminate()
@@ -223,7 +223,7 @@ def walk(positions):
     rospy.Subscriber("/tf_static", TFMessage, on_fixed)
     rospy.Subscriber("/tf", TFMessage, on_moved, tcp_nodelay=True)
     states = rospy.Publisher("joint_states", JointState, queue_size=1, tcp_nodelay=True)
-    assert fixed.wait(20.0), "no /tf_static"
+    assert fixed.wait(60.0), "no /tf_static"
     found = []
     for index, each in enumerate(positions):
         moved.clear()
@@ -235,6 +235,7 @@ def walk(positions):
             states.publish(message)
             if moved.wait(0.1):
                 break
+        assert moved.is_set(), f"no /tf of pose {index}"
         found.append(pose_of(buffer.lookup_transform_core(BASE, TOOL, stamp).transform))
     return np.array(found)
 

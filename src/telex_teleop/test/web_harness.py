@@ -20,6 +20,8 @@ from telex_experiments.rigs.private_master import PrivateMaster
 
 PACKAGE = Path(__file__).resolve().parents[1]
 SOURCE = PACKAGE / "src"
+START = 60.0
+"""Time (s) within which a node has to come up."""
 
 
 def stop_process(process, number=signal.SIGINT, timeout=30.0):
@@ -85,7 +87,7 @@ class Ros:
         """Start a server node on a free port; return its process and its address."""
         node_name = node_name or name
         process = self.start_node(name, "_port:=0", f"__name:={node_name}", *arguments)
-        return process, wait_until(lambda: self.param(f"/telex/{node_name}/url"), timeout=60.0)
+        return process, wait_until(lambda: self.param(f"/telex/{node_name}/url"), timeout=START)
 
     def param(self, name):
         try:
@@ -119,7 +121,7 @@ class Probe:
         self.requests = []
         self._requests_of = {}
         threading.Thread(target=self._read, args=(self._process.stdout,), daemon=True).start()
-        assert self._answer(20.0) == "ready"
+        assert self._answer(START) == "ready"
 
     def _read(self, lines):
         with contextlib.suppress(ValueError):  # the pipe is closed when the test ends

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 from waiting import wait_until
-from web_harness import Ros
+from web_harness import START, Ros
 
 pytestmark = [pytest.mark.ros, pytest.mark.waiting]
 
@@ -49,7 +49,7 @@ def outcomes(ros):
         for parent, child, place in frames
     ]
     probe.publish("/tf", "tf2_msgs/TFMessage", {"transforms": tree}, rate=20)
-    wait_until(lambda: ros.publishers("/tf2_web_republisher/status"), timeout=20.0)
+    wait_until(lambda: ros.publishers("/tf2_web_republisher/status"), timeout=START)
     states = {"header": {"frame_id": "x"}, "name": ["turret_joint", "ärmchen"]}
     states["position"] = [float("nan") if each is None else each for each in POSITIONS]
     probe.publish("/compressible", "sensor_msgs/JointState", states, rate=20)

@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 import simplejpeg
 from waiting import wait_until
-from web_harness import Ros
+from web_harness import START, Ros
 
 from telex_experiments.rigs.private_master import free_port
 
@@ -113,8 +113,11 @@ def read_parts(client, count):
 def test_a_stream_delivers_the_published_bytes(video, camera):
     with open_stream(video, f"/stream?topic={CAMERA}") as client:
         parts = read_parts(client, 20)
-    assert all(data == JPEG for _, _, data in parts)
-    assert 0.3 < parts[-1][0] - parts[0][0] < 2.0
+    arrivals, stamps, pictures = zip(*parts)
+    assert set(pictures) == {JPEG}
+    # Each that was published comes once; what the publisher makes up after a pause, in a burst.
+    assert list(stamps) == sorted(set(stamps))
+    assert np.median(np.diff(arrivals)) < 0.1
 
 
 def test_the_server_subscribes_only_while_somebody_watches(ros, video, camera):
@@ -191,7 +194,7 @@ def test_a_port_in_use_is_one_clear_line(ros, name):
         process = ros.start_node(
             name, f"_port:={port}", f"__name:={name}_2", stdout=-1, stderr=-1, text=True
         )
-        _, said = process.communicate(timeout=20)
+        _, said = process.communicate(timeout=START)
     assert process.returncode == 1
     assert f"/telex/{name}_2/port: {port} on 127.0.0.1 is in use by another program" in said
     assert "Traceback" not in said
@@ -372,7 +375,7 @@ def test_tokens_that_the_bridge_made_stand_in_files_of_its_user_alone(ros, bridg
         stderr=-1,
         text=True,
     )
-    url = wait_until(lambda: ros.param("/telex/open/url"), timeout=20.0)
+    url = wait_until(lambda: ros.param("/telex/open/url"), timeout=START)
     files = [Path(ros.param(f"/telex/open/{each}token_file")) for each in ("", "instructor_")]
     for file in files:
         assert stat.S_IMODE(file.stat().st_mode) == 0o600
@@ -401,7 +404,7 @@ def test_tokens_that_the_bridge_made_stand_in_files_of_its_user_alone(ros, bridg
     ros.stop(process, signal.SIGKILL)
     process = ros.start_node("rosbridge", "_port:=0", "_address:=0.0.0.0", "__name:=open")
     host, port = url[len("ws://") :].split(":")
-    wait_until(lambda: answers(f"http://{host}:{port}/"), timeout=60.0)
+    wait_until(lambda: answers(f"http://{host}:{port}/"), timeout=START)
     assert [file.read_text().strip() for file in files] == [client, instructor]
     ros.stop(process)
     assert get(streams)[0] == 401
@@ -429,7 +432,7 @@ def test_a_token_that_others_can_read_ends_the_start(ros, tmp_path, name, parame
         stderr=-1,
         text=True,
     )
-    _, said = process.communicate(timeout=20)
+    _, said = process.communicate(timeout=START)
     assert process.returncode == 1
     wanted = "give token_file" if parameter == "token" else "(mode 0644); delete it"
     assert wanted in said
@@ -446,9 +449,9 @@ def test_the_launch_file_starts_both_nodes():
         launched = ros.start(
             ["roslaunch", "telex_teleop", "console.launch", *arguments], stdout=-3, stderr=-3
         )
-        url = wait_until(lambda: ros.param("/telex/video_server/url"), timeout=30.0)
+        url = wait_until(lambda: ros.param("/telex/video_server/url"), timeout=START)
         assert url == f"http://127.0.0.1:{ports['video_port']}"
-        bridge = wait_until(lambda: ros.param("/telex/rosbridge/url"), timeout=30.0)
+        bridge = wait_until(lambda: ros.param("/telex/rosbridge/url"), timeout=START)
         assert bridge == f"ws://127.0.0.1:{ports['bridge_port']}"
         assert json.loads(get(f"{url}/config.json")[1])["rosbridge"] == bridge
         ros.stop(launched)
