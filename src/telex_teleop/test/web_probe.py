@@ -7,6 +7,7 @@ Messages are read and written as YAML by genpy, not by the code under test.
     {"do": "subscribe", "topic", "type"}    then every message: {"topic", "time", "message"}
     {"do": "connected", "topic"}            whether a publisher has answered this subscriber
     {"do": "publish", "topic", "type", "message", ["latch", "hex": {field: text}, "rate"]}
+    {"do": "publish_all", "orders"}         several such orders, one right after the other
     {"do": "subscribers", "topic", "type"}  how many are connected to this probe's publisher
     {"do": "serve", "service", "type", "response", ["delay"]}
     {"do": "act", "server"}                 offer a telex_msgs/FlipperPreset action
@@ -74,6 +75,10 @@ class Probe:
             ).start()
         else:
             publisher.publish(filled)
+
+    def do_publish_all(self, orders):
+        for order in orders:
+            self.do_publish(**order)
 
     def repeat(self, topic, publisher, message, rate):
         due = time.monotonic()

@@ -136,6 +136,15 @@ def camera_picture(width=640, height=480, number=0):
     return simplejpeg.encode_jpeg(cv2.resize(picture, (width, height)), quality=90)
 
 
+def is_stop(command):
+    """Tell whether a command lets everything rest that it is about."""
+    if "preset" in command:
+        return command["preset"] == ""
+    if "velocities" in command:
+        return not any(command["velocities"])
+    return not any([*command["linear"].values(), *command["angular"].values()])
+
+
 def describe(ros):
     """Set the parameters by which the console knows the robot."""
     parameters = {
@@ -214,10 +223,22 @@ class Robot:
         self.probe.publish(topic, "sensor_msgs/CompressedImage", hex=data, rate=rate)
 
     def publish_sim(self, **changes):
-        status = {"real_time_factor": 0.998, "e_stop": False, "paused": False, **changes}
-        self.probe.publish("/telex/sim/status", "telex_msgs/SimStatus", status, rate=5)
+        self.probe.do("publish", **self._sim(changes))
 
-    def publish_node_status(self, scale=0.4, arm_mode="JOINT", **more):
+    @staticmethod
+    def _sim(changes):
+        """What the probe is to publish as the simulator's status."""
+        status = {"real_time_factor": 0.998, "e_stop": False, "paused": False, **changes}
+        topic = "/telex/sim/status"
+        return {"topic": topic, "type": "telex_msgs/SimStatus", "message": status, "rate": 5}
+
+    def publish_node_status(self, scale=0.4, arm_mode="JOINT", sim=None, **more):
+        """Publish what the nodes say, and right after it, with `sim`, as `publish_sim` does."""
+        orders = []
+
+        def publish(topic, type_name, message, **options):
+            orders.append({"topic": topic, "type": type_name, "message": message, **options})
+
         speed = {"speed_scale": scale, "min_speed_scale": 0.05, "max_speed_scale": 1.0, **more}
         for node, joints, limit, limited in (
             ("arm_teleop", ARM_JOINTS, 0.6, ["elbow_joint"]),
@@ -229,13 +250,16 @@ class Robot:
             if node == "arm_teleop":
                 status["mode"] = arm_mode
             topic = f"/telex/{node}/status"
-            self.probe.publish(topic, "telex_msgs/JointTeleopStatus", status, rate=10)
+            publish(topic, "telex_msgs/JointTeleopStatus", status, rate=10)
         presets = {"names": PRESET_NAMES, "descriptions": ["for " + name for name in PRESET_NAMES]}
         topic = "/telex/flipper_teleop/presets"
-        self.probe.publish(topic, "telex_msgs/FlipperPresets", presets, latch=True)
+        publish(topic, "telex_msgs/FlipperPresets", presets, latch=True)
         drive = {"max_linear": 1.2, "max_angular": 1.0, "command": {"linear": {"x": 0.25}}}
         topic = "/telex/track_teleop/status"
-        self.probe.publish(topic, "telex_msgs/TrackTeleopStatus", {**drive, **speed}, rate=10)
+        publish(topic, "telex_msgs/TrackTeleopStatus", {**drive, **speed}, rate=10)
+        if sim is not None:
+            orders.append(self._sim(sim))
+        self.probe.do("publish_all", orders=orders)
 
     def silence_nodes(self):
         """Publish once more what the nodes say, and then no more; there are no presets."""
@@ -249,13 +273,16 @@ class Robot:
         return self.probe.messages(topic)
 
     def forget(self):
-        """Forget what was heard, once all that was sent has arrived."""
-        commands = (DRIVE, ARM, GRIPPER, FLIPPERS, PRESETS)
-        wait_until(lambda: all(self.is_quiet(topic, 0.03) for topic in commands))
+        """Forget what was heard, once all that was sent has arrived, a stop the last of it."""
+
+        def rests(topic):
+            return self.is_quiet(topic, 0.03) and all(map(is_stop, self.heard(topic)[-1:]))
+
+        wait_until(lambda: all(map(rests, (DRIVE, ARM, GRIPPER, FLIPPERS, PRESETS))), timeout=20.0)
         for messages in self.probe.heard.values():
             messages.clear()
 
-    def wait_for(self, topic, count=1, timeout=5.0):
+    def wait_for(self, topic, count=1, timeout=20.0):
         wait_until(lambda: len(self.probe.heard[topic]) >= count, timeout=timeout)
         return self.heard(topic)
 
