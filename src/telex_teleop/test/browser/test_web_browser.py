@@ -258,8 +258,14 @@ def test_slow_pictures_are_not_blamed_on_the_link(robot, page):
     wait_until(lambda: page.attribute("link-quality", "textContent") == "link good", timeout=20.0)
     robot.publish_camera("front", rate=2)
     wait_until(lambda: page.text("picture-quality") == "picture poor")
-    assert page.attribute("link-quality", "textContent") == "link good"
-    assert page.attribute("view", "data-link") == "good"
+    # In one look: two answers that a busy machine holds up make the link fair for a while.
+    script = """
+        const text = (id) => document.getElementById(id).textContent;
+        const {link} = document.getElementById("view").dataset;
+        return [text("picture-quality"), text("link-quality"), link];
+    """
+    shown = ["picture poor", "link good", "good"]
+    wait_until(lambda: page.script(script) == shown, timeout=20.0)
     robot.publish_camera("front", rate=15)
     wait_until(lambda: page.text("picture-quality") == "picture good")
 
@@ -303,8 +309,7 @@ def test_what_moves_and_what_moves_it(robot, page):
     robot.publish_node_status()
     wait_until(lambda: moves() == (NOTHING, NOTHING))
     robot.publish_node_status(commanders=["/telex/joy_teleop"])
-    wait_until(lambda: page.text("moved-by") == "the robot's gamepad")
-    assert page.text("moves") == "base, flippers, arm, gripper"
+    wait_until(lambda: moves() == ("base, flippers, arm, gripper", "the robot's gamepad"))
     assert page.text("others") == "MOVED BY the robot's gamepad"
     robot.publish_node_status(commanders=["/rostopic_12_1600000000000"])
     wait_until(lambda: page.text("moved-by") == "the program rostopic")
@@ -364,18 +369,16 @@ def test_one_news_is_one_line(robot, page):
         return lines(page)[: len(lines(page)) - before]
 
     before = len(lines(page))
-    robot.publish_node_status(message="the e-stop is active")
-    robot.publish_sim(e_stop=True)
+    robot.publish_node_status(message="the e-stop is active", sim={"e_stop": True})
     wait_until(lambda: news() == [["alarm", "e-stop is active"]])
-    page.press("w")
+    refused = "e-stop is active: release it first"
+    page.hold_until(lambda: news()[0] == ["warning", refused], "w")
     time.sleep(1.1)
-    page.press("w")
+    twice = ["warning", f"{refused} \N{MULTIPLICATION SIGN}2"]
+    page.hold_until(lambda: news()[0] == twice, "w")
     page.press("w")  # within a second: not for the third time
     time.sleep(1.0)  # for the nodes' own words, if they came
-    assert news() == [
-        ["warning", "e-stop is active: release it first \N{MULTIPLICATION SIGN}2"],
-        ["alarm", "e-stop is active"],
-    ]
+    assert news() == [twice, ["alarm", "e-stop is active"]]
     robot.publish_node_status()
     robot.publish_sim()
     wait_until(lambda: news()[0] == ["info", "e-stop is released"])
@@ -577,8 +580,8 @@ def test_another_who_has_control_lets_this_page_watch_only(ros, robot, page):
     assert ask_as_other("take_control")
     wait_until(lambda: page.text("control-text") == "WATCHING · Ann")
     robot.forget()
-    with page.hold("w"):
-        wait_until(lambda: page.text("warning") == "Ann has control: you are watching")
+    watches = "Ann has control: you are watching"
+    with page.held_until(lambda: page.text("warning") == watches, lambda: page.hold("w")):
         assert robot.is_quiet(DRIVE)
     lamp = "/telex/lamps/front_left/command"
     robot.probe.subscribe(lamp, "std_msgs/Float64")
@@ -818,6 +821,13 @@ def driving(robot, page):
     return page.held_until(is_told, lambda: page.hold("w"), anew=robot.forget)
 
 
+def keeps_pace(robot, topic):
+    """Tell whether the last 25 commands on a topic came 50 times a second, by their median."""
+    times = [arrival for arrival, _ in robot.probe.heard[topic][-25:]]
+    gaps = [b - a for a, b in zip(times, times[1:])]
+    return len(times) == 25 and 0.017 < statistics.median(gaps) < 0.024
+
+
 def is_held(page, action):
     """Tell whether the page shows that an action is held."""
     return "held" in page.element(f'[data-action="{action}"]').get_attribute("class")
@@ -839,7 +849,7 @@ WebSocket.prototype.send = function (text) {
 
 def test_a_held_key_drives_50_times_a_second_until_it_is_let_go(robot, page):
     def drives():
-        return len(robot.heard(DRIVE)) >= 25 and is_held(page, "drive:forward")
+        return keeps_pace(robot, DRIVE) and is_held(page, "drive:forward")
 
     page.script(AFTER_RELEASE, DRIVE)
     with page.held_until(drives, lambda: page.hold("w"), anew=robot.forget):
@@ -851,9 +861,6 @@ def test_a_held_key_drives_50_times_a_second_until_it_is_let_go(robot, page):
     commands = robot.heard(DRIVE)
     assert {command["linear"]["x"] for command in commands[:-1]} == {1.2}
     assert commands[-1]["linear"]["x"] == 0.0
-    times = [arrival for arrival, _ in robot.probe.heard[DRIVE][:25]]
-    period = statistics.median(b - a for a, b in zip(times, times[1:]))
-    assert 0.017 < period < 0.024
 
 
 @pytest.mark.parametrize(
@@ -938,7 +945,7 @@ def test_both_keys_of_a_pair_stand_still(robot, page):
 
 def test_one_side_of_the_flippers(robot, page):
     page.mode("DRIVE")
-    page.hold_until(lambda: robot.heard(FLIPPERS), "q", "r")
+    page.hold_until(lambda: robot.heard(FLIPPERS), "q", "r", anew=robot.forget)
     assert robot.heard(FLIPPERS)[0]["joint_names"] == ["front_left_flipper_joint"]
     robot.forget()
     page.element('[data-side="right"]').click()
@@ -949,7 +956,8 @@ def test_one_side_of_the_flippers(robot, page):
 
 def test_a_digit_holds_a_flipper_preset_until_it_is_let_go(robot, page):
     def moves():
-        return len(robot.heard(PRESETS)) >= 10 and is_held(page, "preset:3")
+        # What the robot takes for silence is far longer.
+        return keeps_pace(robot, PRESETS) and is_held(page, "preset:3")
 
     page.hold_until(moves, "4", anew=robot.forget)
     wait_until(lambda: robot.heard(PRESETS)[-1]["preset"] == "")
@@ -957,9 +965,6 @@ def test_a_digit_holds_a_flipper_preset_until_it_is_let_go(robot, page):
     commands = robot.heard(PRESETS)
     assert {command["preset"] for command in commands[:-1]} == {"climb"}
     assert all(command["joint_names"] == [] for command in commands)
-    times = [arrival for arrival, _ in robot.probe.heard[PRESETS][:-1]]
-    period = statistics.median(b - a for a, b in zip(times, times[1:]))
-    assert 0.017 < period < 0.024  # what the robot takes for silence is far longer
     assert robot.heard(FLIPPERS) == []
 
 
@@ -977,7 +982,7 @@ def test_presets_are_buttons_with_the_robots_names(robot, page):
 
 
 def test_a_preset_of_one_side(robot, page):
-    page.hold_until(lambda: robot.heard(PRESETS), "e", "1")
+    page.hold_until(lambda: robot.heard(PRESETS), "e", "1", anew=robot.forget)
     names = robot.heard(PRESETS)[0]["joint_names"]
     assert names == ["front_right_flipper_joint", "rear_right_flipper_joint"]
 
@@ -1103,8 +1108,16 @@ def test_keys_with_modifiers_and_space(robot, page):
 
 
 def test_speed(robot, page):
+    # Noted by the page: as long as the nodes do not confirm it, it counts for 0.5 s.
+    page.script("""
+        window.speeds = [];
+        const speed = document.getElementById("speed");
+        window.noting = new MutationObserver(() => speeds.push(speed.textContent));
+        noting.observe(speed, {childList: true, characterData: true, subtree: true});
+    """)
     page.press("=")
-    wait_until(lambda: page.text("speed") == "50 %")
+    wait_until(lambda: "50 %" in page.script("return speeds"))
+    page.script("noting.disconnect()")
     for node in NODES:
         assert robot.wait_for(f"/telex/{node}/speed_scale")[-1] == {"data": 0.5}
     robot.publish_node_status(0.1)
@@ -1128,9 +1141,9 @@ def test_estop_lets_go_and_holds_until_it_is_released(robot, page):
         robot.publish_sim(e_stop=True)
         wait_until(lambda: page.element("#estop-band").is_displayed())
         robot.forget()
-    with page.hold("w"):
+    refused = "e-stop is active: release it first"
+    with page.held_until(lambda: page.text("warning") == refused, lambda: page.hold("w")):
         assert robot.is_quiet(DRIVE)
-        assert page.text("warning") == "e-stop is active: release it first"
         page.element("#release").click()
         wait_until(lambda: robot.heard(ESTOP)[-1] == {"data": False})
         robot.publish_sim(e_stop=False)
@@ -1190,9 +1203,9 @@ def test_a_picture_that_stalls_is_not_shown_as_live(robot, page):
     wait_until(lambda: page.element("#no-picture").is_displayed())
     assert "NO PICTURE" in page.text("no-picture")
     robot.publish_camera("mast", camera_picture(320, 240, 3))
-    wait_until(lambda: page.thumbnail("mast").get_attribute("data-state") == "stalled")
+    shown = {"mast": "stalled", "rear": "live"}
+    wait_until(lambda: shown.items() <= dict(page.thumbnails()).items())
     assert page.thumbnail("mast").text.split()[:3] == ["mast", "NO", "PICTURE"]
-    assert page.thumbnail("rear").get_attribute("data-state") == "live"
     robot.publish_camera("front", rate=15)
     robot.publish_camera("mast", camera_picture(320, 240, 3), rate=2)
     wait_until(lambda: page.attribute("view", "data-state") == "live")
