@@ -98,6 +98,26 @@ class FakeRobot:
             timeout,
         )
 
+    def put(self, positions, statuses):
+        """Put joints somewhere, as if somebody had, and wait until a node's statuses tell so.
+
+        A command that the node hears before it sees that ends by it.
+        """
+        statuses.clear()
+
+        def seen():
+            # again and again, for a reference may have been on its way
+            self.positions.update(positions)
+            status = statuses[-1]
+            return dict(zip(status.joint_names, status.position)).items() >= positions.items()
+
+        wait_until(seen, lambda: f"the node to tell {positions} (its status: {statuses[-1:]})")
+
+
+def gaps(moments):
+    """Times (s) from each to the next."""
+    return [after - before for before, after in zip(moments, moments[1:])]
+
 
 def rate(steps):
     """Velocity of a joint by its steps: their median.

@@ -123,13 +123,15 @@ class ToolOperator:
         assert self.hold_tool(False).success
         assert self.set_guard(True).success
         self.robot.rest()
-        self.robot.positions.update({joint: READY[joint] for joint in self.chain.joint_names})
-        # the node has to see that, and to take it for its reference
-        self.robot.rest(0.2)
-        # what it said of an earlier command stays in its status for a while
-        status = self.status[-1]
-        assert (status.mode, status.speed_scale) == ("CARTESIAN", 1.0)
-        assert not status.message.startswith(("the e-stop", "no joint", "just started"))
+        self.robot.put({joint: READY[joint] for joint in self.chain.joint_names}, self.status)
+
+        def ready():
+            status = self.status[-1]
+            # what it said of an earlier command stays in its status for a while
+            deaf = status.message.startswith(("the e-stop", "no joint", "just started"))
+            return (status.mode, status.speed_scale) == ("CARTESIAN", 1.0) and not deaf
+
+        wait_until(ready, lambda: f"arm_teleop to be ready (its status: {self.status[-1:]})")
 
     def leading(self, message, least=1e-3):
         """Lead the tool by a twist; gives it once the tool has moved so far (m, rad)."""
@@ -375,10 +377,18 @@ class TestModesAndOptions:
         arm.world.floor = float(arm.tool[2, 3]) - 0.005
         time.sleep(0.2)
         down = twist("base_link", 2, -SPEED)
-        with holding(arm.twists, down):
-            assert arm.moved_within(0.6) < 0.01
-            notice = arm.last().notice
-        assert re.match("stopped: gripper_link is [45] mm from floor", notice)
+        pressed = time.monotonic()
+
+        def stopped():
+            notice = arm.status[-1].notice
+            told = re.match("stopped: gripper_link is [45] mm from floor", notice)
+            return told and time.monotonic() - pressed > 0.7
+
+        def lead():
+            with held_until(stopped, "the tool to stop", arm.twists, down, arm.status):
+                pass
+
+        assert arm.moved(lead) < 0.01
         time.sleep(0.4)
         answer = arm.set_guard(False)
         assert (answer.success, answer.message) == (True, "")
