@@ -44,6 +44,8 @@ RELEASE_J = b"\x1b[106;1:3u"
 LOSE_FOCUS = b"\x1b[O"
 PERIOD = 0.02  # s between two commands while a key is held
 AT_ONCE = 5  # commands that may still move something when the operator has let go
+HELD_UP = 0.05  # s without a command: the node or this process got no processor
+FIRST_SPEED = 0.5  # scale
 
 
 class Keyboard:
@@ -127,7 +129,7 @@ class Keyboard:
 
 
 class ListeningRobot:
-    """A robot that only listens and reports."""
+    """A robot that only listens and reports, the speed as it was set."""
 
     def __init__(self, topics):
         from control_msgs.msg import JointJog
@@ -151,13 +153,11 @@ class ListeningRobot:
         self.e_stop = topics.subscriber("e_stop", Bool, lambda m: self.e_stops.append(m.data))
         self.listeners += [
             topics.subscriber("track_teleop/cmd_vel", Twist, self._on_twist),
-            topics.subscriber(
-                "flipper_teleop/speed_scale", Float64, lambda m: self.speeds.append(m.data)
-            ),
+            topics.subscriber("flipper_teleop/speed_scale", Float64, self._on_speed),
             self.e_stop,
         ]
         topics.service("arm_teleop/set_mode", SetMode, self._on_mode)
-        speed = {"speed_scale": 0.5, "min_speed_scale": 0.05, "max_speed_scale": 1.0}
+        speed = {"speed_scale": FIRST_SPEED, "min_speed_scale": 0.05, "max_speed_scale": 1.0}
         position = [1.0] + [0.0] * (len(ARM) - 1)
         arm = JointTeleopStatus(mode="JOINT", joint_names=ARM, position=position, **speed)
         self._reports = [
@@ -193,6 +193,14 @@ class ListeningRobot:
     def _on_twist(self, message):
         self.heard = time.monotonic()
         self.twists.append((time.time(), [message.linear.x, message.angular.z]))
+
+    def _on_speed(self, message):
+        self.speeds.append(message.data)
+        self._set_speed(message.data)
+
+    def _set_speed(self, scale):
+        for _, report in self._reports:
+            report.speed_scale = scale
 
     def _on_mode(self, request):
         from telex_msgs.srv import SetModeResponse
@@ -241,6 +249,7 @@ class ListeningRobot:
     def forget(self):
         for said in (self.jogs, self.twists, self.e_stops, self.speeds, self.modes):
             said.clear()
+        self._set_speed(FIRST_SPEED)
 
 
 @pytest.fixture(scope="module")
@@ -323,10 +332,14 @@ def kitty(started_kitty, robot):
 @pytest.mark.ros
 class TestPlainTerminal:
     def test_press_is_a_nudge_that_ends_with_zero(self, keyboard, robot):
-        keyboard.type(b"j")
-        robot.first_zero()
-        robot.wait_until_still()
-        moments, rates = [jog[0] for jog in robot.jogs], [jog[2] for jog in robot.jogs]
+        for _ in range(5):
+            robot.forget()
+            pressed = keyboard.type(b"j")
+            robot.first_zero()
+            robot.wait_until_still()
+            moments, rates = [jog[0] for jog in robot.jogs], [jog[2] for jog in robot.jogs]
+            if max(gaps([pressed, *moments])) < HELD_UP:
+                break
         assert rates[0] == {TURRET: 100.0}
         assert rates[-1] == {TURRET: 0.0}
         assert 0.1 <= moments[-1] - moments[0] <= 0.35
@@ -397,12 +410,16 @@ class TestPlainTerminal:
 @pytest.mark.ros
 class TestKittyTerminal:
     def test_is_exact(self, kitty, robot):
-        pressed = kitty.type(PRESS_J)
-        time.sleep(0.8)
-        released = kitty.type(RELEASE_J)
-        assert len(robot.still_moving(released)) < AT_ONCE
+        for _ in range(5):
+            robot.forget()
+            pressed = kitty.type(PRESS_J)
+            time.sleep(0.8)
+            released = kitty.type(RELEASE_J)
+            late, moving = robot.still_moving(released), robot.moving()
+            if max(gaps([pressed, *moving, released])) < HELD_UP:
+                break
+        assert len(late) < AT_ONCE
         assert robot.first_zero() > released
-        moving = robot.moving()
         assert moving[-1] - moving[0] == pytest.approx(released - pressed, abs=0.15)
         assert median_period(moving) < 1.5 * PERIOD
 
