@@ -62,9 +62,13 @@ class Simulator:
         self.robot.publish_camera("overview", rate=1)
         self.probe.forget_requests()
 
-    def serve(self, name, kind, delay=0.0, **response):
-        service = f"/telex/sim/{name}"
-        self.probe.do("serve", service=service, type=kind, response=response, delay=delay)
+    def serve(self, name, kind, delay=0.0, held=False, **response):
+        order = {"service": f"/telex/sim/{name}", "type": kind, "response": response}
+        self.probe.do("serve", delay=delay, held=held, **order)
+
+    def release(self, name):
+        """Let a service answer, which was held until now."""
+        self.probe.do("release", service=f"/telex/sim/{name}")
 
     def tell(self, **changes):
         self.robot.publish_sim(world="hall", step_size=0.002, resets=3, **changes)

@@ -9,7 +9,8 @@ Messages are read and written as YAML by genpy, not by the code under test.
     {"do": "publish", "topic", "type", "message", ["latch", "hex": {field: text}, "rate"]}
     {"do": "publish_all", "orders"}         several such orders, one right after the other
     {"do": "subscribers", "topic", "type"}  how many are connected to this probe's publisher
-    {"do": "serve", "service", "type", "response", ["delay"]}
+    {"do": "serve", "service", "type", "response", ["delay", "held"]}
+    {"do": "release", "service"}            let it answer, which is held until then
     {"do": "act", "server"}                 offer a telex_msgs/FlipperPreset action
     {"do": "unsubscribe", "topic"}
     {"do": "wait"}                          its answer comes after all that was said before
@@ -37,6 +38,7 @@ class Probe:
         self.publishers = {}
         self.subscribers = {}
         self.services = {}
+        self.released = {}
         self.repeated = {}
         self.lock = threading.Lock()
 
@@ -98,12 +100,16 @@ class Probe:
     def do_subscribers(self, topic, type):  # noqa: A002
         return self.publisher(topic, type).get_num_connections()
 
-    def do_serve(self, service, type, response, delay=0.0):  # noqa: A002
+    def do_serve(self, service, type, response, delay=0.0, held=False):  # noqa: A002
         cls = genpy.message.get_service_class(type)
+        released = self.released[service] = threading.Event()
+        if not held:
+            released.set()
 
         def answer(request):
             time.sleep(delay)
             self.say(service=service, request=yaml.safe_load(str(request)))
+            released.wait()
             filled = cls._response_class()
             genpy.message.fill_message_args(filled, [response])
             return filled
@@ -112,6 +118,9 @@ class Probe:
         if service in self.services:
             self.services.pop(service).shutdown()
         self.services[service] = rospy.Service(service, cls, answer)
+
+    def do_release(self, service):
+        self.released[service].set()
 
     def do_act(self, server):
         def execute(goal):
