@@ -176,8 +176,8 @@ def test_an_exam_leaves_no_training_aid(robot, page):
     assert page.element(note).text == "\N{WHITE DIAMOND} training aid"
     told = "/telex/console/telemetry"
     robot.probe.subscribe(told, "std_msgs/String")
-    page.press("w")  # who has control tells what he sees
-    wait_until(lambda: aids_told(robot, told).get("contact marks") is True)
+    # who has control tells what he sees
+    page.hold_until(lambda: aids_told(robot, told).get("contact marks") is True, "w")
     try:
         exam("running")
         wait_until(lambda: painted(page) == 0)
