@@ -130,7 +130,8 @@ class ConsolePage(Page):
         self._browser.press(f"Key{key.upper()}")
 
     def release(self, key: str) -> None:
-        self._browser.release(f"Key{key.upper()}")
+        """Let a key go, and wait until the page has taken note."""
+        self._browser.handled(self._browser.key("keyUp", f"Key{key.upper()}"))
 
     def _count_released(self) -> int:
         lines = self.ask(

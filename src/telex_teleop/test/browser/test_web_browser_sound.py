@@ -81,8 +81,8 @@ def test_a_key_switches_it_off_and_that_is_kept(page, robot, ear):
 
 
 def test_an_alarm_is_heard_until_it_is_acknowledged(page, robot, ear):
-    wait_until(lambda: ear() < SILENT)
-    assert not page.element("#quiet").is_enabled()
+    page.wait_until_all_is_shown()
+    wait_until(lambda: not page.element("#quiet").is_enabled() and ear() < SILENT)
     robot.publish_sim(e_stop=True)
     wait_until(lambda: ear() > HEARD)
     page.press("F1")

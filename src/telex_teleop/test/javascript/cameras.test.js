@@ -7,6 +7,8 @@ import { test } from "node:test";
 import { ViewState } from "../../console/js/cameras.js";
 import { Line } from "../../console/js/line.js";
 
+Object.defineProperty(Date, "now", { value: () => 1e12 });
+
 /** A line of which this was heard. @param {number} delay  s @param {number} [jitter]  s */
 function lineOf(delay, jitter = 0) {
   const line = new Line(() => {});
