@@ -52,11 +52,15 @@ class Tracks:
         return self.stand() and set(self.speeds()[told:]) <= {0.0}
 
 
+def drive_first(page, tracks):
+    """Drive by presses, of which one counts once the page knows the speed and the node the page."""
+    wait_until(lambda: drives(page, tracks), timeout=20.0, period=0.3)
+
+
 @pytest.fixture(scope="module")
 def tracks(ros, robot, page):
     tracks = Tracks(ros, robot)
-    # The page has to know how fast the tracks may run, and the node who sends commands.
-    wait_until(lambda: drives(page, tracks), timeout=20.0, period=0.3)
+    drive_first(page, tracks)
     return tracks
 
 
@@ -172,7 +176,7 @@ def test_commands_that_were_held_up_on_their_way_are_dropped(robot, page, tracks
         assert set(tracks.speeds()) <= {0.0}  # the end of what an earlier test drove
     finally:
         page.load()
-    drive(page, tracks)
+    drive_first(page, tracks)
 
 
 def test_a_bridge_that_is_killed_stops_and_needs_a_new_press_when_it_is_back(ros, page, tracks):
@@ -195,4 +199,4 @@ def test_a_browser_that_is_killed_stops(page, tracks):
             assert tracks.stay()
         finally:
             page.start_again()
-    drive(page, tracks)
+    drive_first(page, tracks)
