@@ -22,19 +22,20 @@ pytestmark = pytest.mark.slow
 
 INERTIA = 0.5  # kg m2; kg of the sliding joint
 EFFORT = 10.0
-RIG = """
-<robot name="rig">
+LINKS = """
   <link name="base"><inertial><mass value="1e6"/>
     <inertia ixx="1e6" iyy="1e6" izz="1e6" ixy="0" ixz="0" iyz="0"/></inertial></link>
   <link name="rotor"><inertial><mass value="{inertia}"/>
     <inertia ixx="{inertia}" iyy="{inertia}" izz="{inertia}" ixy="0" ixz="0" iyz="0"/></inertial>
-  </link>
-  <joint name="drive" type="{kind}"><parent link="base"/><child link="rotor"/>
-    <axis xyz="{axis}"/><limit lower="-100" upper="100" velocity="1000" effort="{effort}"/>
-    <dynamics friction="{friction}" damping="{damping}"/></joint>
+  </link>"""
+RIG = f"""
+<robot name="rig">{LINKS}
+  <joint name="drive" type="{{kind}}"><parent link="base"/><child link="rotor"/>
+    <axis xyz="{{axis}}"/><limit lower="-100" upper="100" velocity="1000" effort="{{effort}}"/>
+    <dynamics friction="{{friction}}" damping="{{damping}}"/></joint>
   <transmission name="drive"><type>transmission_interface/SimpleTransmission</type>
     <joint name="drive">
-      <hardwareInterface>hardware_interface/{interface}JointInterface</hardwareInterface></joint>
+      <hardwareInterface>hardware_interface/{{interface}}JointInterface</hardwareInterface></joint>
     <actuator name="motor"><mechanicalReduction>1</mechanicalReduction></actuator></transmission>
 </robot>
 """
@@ -122,15 +123,10 @@ def test_damping_too_large_for_the_step_only_stops_the_drive(rig):
     assert tested.velocity == pytest.approx(0.0, abs=1e-9)
 
 
-PENDULUM = """
-<robot name="pendulum">
-  <link name="base"><inertial><mass value="1e6"/>
-    <inertia ixx="1e6" iyy="1e6" izz="1e6" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <link name="rotor"><inertial><mass value="{inertia}"/>
-    <inertia ixx="{inertia}" iyy="{inertia}" izz="{inertia}" ixy="0" ixz="0" iyz="0"/></inertial>
-  </link>
+FREE = f"""
+<robot name="free">{LINKS}
   <joint name="free" type="continuous"><parent link="base"/><child link="rotor"/>
-    <axis xyz="0 0 1"/><dynamics friction="{friction}" damping="{damping}"/></joint>
+    <axis xyz="0 0 1"/><dynamics friction="{{friction}}" damping="{{damping}}"/></joint>
 </robot>
 """
 
@@ -138,7 +134,7 @@ PENDULUM = """
 @pytest.mark.parametrize("friction", [0.0, 0.2])
 @pytest.mark.parametrize("damping", [0.5, 8.0 * INERTIA / STEP])
 def test_a_joint_without_a_drive_runs_down_as_its_urdf_says(friction, damping):
-    urdf = PENDULUM.format(inertia=INERTIA, friction=friction, damping=damping)
+    urdf = FREE.format(inertia=INERTIA, friction=friction, damping=damping)
     with contextlib.closing(World(STEP, 50)) as world:
         hw = RobotHWSim(parse_urdf(urdf), HardwareConfig())
         hw.init(LocalNodeHandle({}), LocalNodeHandle({}))

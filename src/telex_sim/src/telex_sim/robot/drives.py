@@ -218,8 +218,7 @@ class JointDrive(Stateful):
 
     def resistance(self) -> float:
         """Amount of dry and viscous friction in the drive (Nm, N)."""
-        description = self.description
-        return description.friction + description.damping * abs(self.state.velocity)
+        return resistance(self.description, self.state.velocity)
 
     def drag(self) -> float:
         """Friction in the drive while it moves, against its motion (Nm, N)."""
@@ -250,6 +249,11 @@ _STANDSTILL = 1.0e-6
 _STRONG = 1.0e6
 _JAM = 10.0
 """Effort that a jammed joint bears, over that of its drive."""
+
+
+def resistance(joint: UrdfJoint, velocity: float) -> float:
+    """Amount of dry and viscous friction in a joint at a velocity (Nm, N)."""
+    return joint.friction + joint.damping * abs(velocity)
 
 
 class _EffortBound(JointLimitsHandle):

@@ -36,7 +36,7 @@ from telex_control.urdf.transmission_parser import SIMULATED, DrivenJoint, drive
 
 from ..engine.simulator_config import HardwareConfig, JointHardware
 from ..engine.world import Body
-from .drives import WHOLE, DriveMode, Impairment, JointDrive
+from .drives import WHOLE, DriveMode, Impairment, JointDrive, resistance
 from .imu import Imu
 from .link_surfaces import LinkSurfaces
 from .urdf.masses import massless_joints
@@ -79,11 +79,12 @@ class RobotHWSim(RobotHW, Stateful):
         self._all: List[JointDrive] = []
         # Without the belts: what PyBullet's motors move.
         self._moved: List[JointDrive] = []
-        # Movable joints that nothing drives; they have friction, and some of them damping.
+        # Movable joints that nothing drives; they have friction.
         self._passive: List[UrdfJoint] = []
-        self._damped: List[UrdfJoint] = []
         # Of those, the ones whose states are told: they follow others, or a transmission asks it.
         self._watched: Dict[str, JointStateHandle] = {}
+        # Of those that nothing drives, the ones with damping, by PyBullet's index.
+        self._damped: Dict[int, UrdfJoint] = {}
         self.imus: List[Imu] = []
         # By controller, so that one that ends takes nothing from the next that has its joint.
         self._claims: Dict[str, Set[str]] = {}
@@ -127,7 +128,6 @@ class RobotHWSim(RobotHW, Stateful):
             self._joints[each.joint] = self._drive(each, described, limits, root)
         self._warn_of_massless(described)
         self._passive = [joint for name, joint in described.items() if name not in self._joints]
-        self._damped = [joint for joint in self._passive if joint.damping > 0.0]
         self._couple(described)
         self._watch([name for name in watched if name in described])
         self._surfaces = LinkSurfaces(self._robot, self._config)
@@ -321,6 +321,9 @@ class RobotHWSim(RobotHW, Stateful):
         self._surfaces.apply(body)
         self._indices = [drive.index for drive in self._moved]
         self._indices += [body.joints[name] for name in self._watched]
+        self._damped = {
+            body.joints[joint.name]: joint for joint in self._passive if joint.damping > 0.0
+        }
         self.restart()
         self._loosen(body)
         self._gear(body)
@@ -502,15 +505,14 @@ class RobotHWSim(RobotHW, Stateful):
         """Let the motors that brake joints without a drive grow with their velocities."""
         body = self._body
         assert body is not None
-        indices = [body.joints[joint.name] for joint in self._damped]
+        indices = list(self._damped)
         states = pybullet.getJointStates(body.uid, indices, physicsClientId=body.client)
         self._control(
             indices,
             pybullet.VELOCITY_CONTROL,
             targetVelocities=[0.0] * len(indices),
             forces=[
-                joint.friction + joint.damping * abs(state[1])
-                for joint, state in zip(self._damped, states)
+                resistance(joint, state[1]) for joint, state in zip(self._damped.values(), states)
             ],
         )
 
