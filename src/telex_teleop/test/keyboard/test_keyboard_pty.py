@@ -17,6 +17,7 @@ import time
 from pathlib import Path
 
 import pytest
+from fake_robot import gaps
 from own_ros import NodeProcess, Topics, wait_until_connected
 from waiting import wait_until
 
@@ -487,11 +488,6 @@ def test_status_of_the_simulator_tells_whether_the_e_stop_holds(start):
         keyboard.shown.clear()
         status.publish(SimStatus(e_stop=False))
         keyboard.wait_for(b"READY")
-
-
-def gaps(stamps):
-    """Times (s) from each to the next."""
-    return [after - before for before, after in zip(stamps, stamps[1:])]
 
 
 def median_period(stamps):
